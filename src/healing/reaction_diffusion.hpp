@@ -1,0 +1,63 @@
+// dq/dt = D lap q + S(q) on a tetrahedral mesh: lumped P1 in space; CVODE (BDF + SPGMR) or the
+// paper's explicit Euler in time. Eq. (7), doi:10.1371/journal.pone.0159766.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/context.hpp"
+#include "geometry/tet_mesh.hpp"
+#include "healing/model.hpp"
+
+namespace sanatrix::healing {
+
+enum class Scheme { Cvode, Explicit };
+
+struct RdOptions {
+  Scheme scheme = Scheme::Cvode;
+  double relative_tolerance = 1e-4;
+  double dt_s = 17.28;  ///< explicit only; Error{Input} when above the stability limit
+};
+
+/// The whole mesh takes part, on every rank; vectors are distributed by PETSc.
+class ReactionDiffusion {
+ public:
+  /// wound_fraction: per cell, 0..1. A vertex is a wound vertex when a cell with fraction >= 0.5
+  /// touches it (interface vertices start as wound: PARAMETERS.md 5.3); the others are clamped.
+  ReactionDiffusion(const TetMesh& mesh, std::span<const Vec3> points,
+                    std::span<const double> wound_fraction, const Model& model, RdOptions options);
+  ~ReactionDiffusion();
+  ReactionDiffusion(const ReactionDiffusion&) = delete;
+  ReactionDiffusion& operator=(const ReactionDiffusion&) = delete;
+
+  /// Advances to time t [s], t >= time(). Collective.
+  void advance(double t_s, const Context& ctx);
+  [[nodiscard]] double time_s() const;
+  /// vertices x species, gathered on every rank; what checkpoints store.
+  [[nodiscard]] const std::vector<double>& state() const;
+  void restore(double t_s, std::span<const double> state);
+  /// Per vertex: does it belong to the wound (interface included)?
+  [[nodiscard]] const std::vector<bool>& wound_vertices() const;
+  /// cells() of the model averaged over each cell's four vertices. Per cell.
+  [[nodiscard]] std::vector<double> cell_density() const;
+  /// Number of time steps so far.
+  [[nodiscard]] long steps() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Means over the wound and the value at the vertex nearest to its centroid, per species.
+struct SpeciesRecord {
+  double t_day;
+  std::vector<double> mean, centre;       ///< per species
+  double eta_healthy_min, eta_healthy_max;  ///< species 0 outside the wound
+  double far_field_second;                ///< species 1 (zeta) at the vertex farthest from the wound
+};
+SpeciesRecord record(const ReactionDiffusion& rd, const TetMesh& mesh, std::span<const Vec3> points,
+                     std::span<const double> wound_fraction, const Model& model);
+
+}  // namespace sanatrix::healing

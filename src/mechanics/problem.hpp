@@ -1,0 +1,88 @@
+// Quasi-static equilibrium of a soft body with a skin under gravity: forward (reference shape known)
+// and inverse (loaded shape known). Eq. (8), doi:10.1371/journal.pone.0159766.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/context.hpp"
+#include "geometry/tet_mesh.hpp"
+#include "mechanics/material.hpp"
+
+namespace sanatrix::mechanics {
+
+enum class Element { P1P1, P2P1 };  ///< P1/P1 with pressure projection; Taylor-Hood
+
+/// A body: topology, tissue per cell, skin per face, supports. Shapes are given to the solver apart.
+struct Body {
+  const TetMesh* mesh = nullptr;
+  Element element = Element::P1P1;
+  std::vector<Tissue> tissue;                 ///< per cell
+  struct SkinFace {
+    std::array<int, 3> vertex;
+    int law;                                  ///< index into skins
+  };
+  std::vector<SkinFace> skin_faces;
+  std::vector<Skin> skins;
+  std::vector<std::uint8_t> fixed;            ///< per vertex: bit 0 x, bit 1 y, bit 2 z held at 0
+};
+
+/// Node positions of the element: vertices first, then (P2) one node per edge in `edges` order.
+struct Shape {
+  std::vector<Vec3> nodes;       ///< [m]
+  std::vector<double> pressure;  ///< per vertex [Pa]; empty: zero
+};
+
+struct SolveOptions {
+  double relative_tolerance = 1e-9;  ///< of the scaled residual against the load
+  int max_newton = 40;
+  int max_halvings = 8;              ///< of the load step
+};
+
+struct SolveReport {
+  bool converged = false;
+  int newton_iterations = 0, krylov_iterations = 0, factorisations = 0, load_steps = 0;
+  double last_residual = 0.0;        ///< scaled
+  double min_jacobian = 0.0;         ///< of cells, det dx/dX
+  double seconds_assembly = 0.0, seconds_linear = 0.0, seconds_total = 0.0;
+};
+
+/// One body, solved many times: keeps distribution, matrix pattern and the last factorisation.
+/// All calls are collective over MPI_COMM_WORLD; results are complete on every rank.
+class Solver {
+ public:
+  explicit Solver(const Body& body, SolveOptions options = {});
+  ~Solver();
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
+
+  /// Node pairs of the P2 mid-edge nodes, empty for P1.
+  [[nodiscard]] const std::vector<std::array<int, 2>>& edges() const;
+  /// Vertices, and for P2 straight mid-edge nodes.
+  [[nodiscard]] std::vector<Vec3> straight_nodes(std::span<const Vec3> vertices) const;
+
+  /// Changed tissue (healing), same mesh.
+  void set_tissue(std::span<const Tissue> tissue);
+
+  /// Loaded shape of a body with this stress-free reference. `guess` may be empty. Load is stepped
+  /// from the guess's equilibrium (or rest) and halved on failure. Throws Error{Numerics} naming
+  /// cell, region, load fraction and min J when it fails at the smallest step.
+  Shape forward(std::span<const Vec3> reference_nodes, const Vec3& gravity, const Shape* guess,
+                const Context& ctx);
+  /// Stress-free reference of a body whose loaded shape is known.
+  Shape inverse(std::span<const Vec3> loaded_nodes, const Vec3& gravity, const Context& ctx);
+  [[nodiscard]] const SolveReport& last_report() const;
+
+  /// det F per cell (mean over quadrature points), complete on every rank.
+  [[nodiscard]] std::vector<double> jacobians(std::span<const Vec3> reference_nodes,
+                                              std::span<const Vec3> deformed_nodes) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sanatrix::mechanics

@@ -1,0 +1,32 @@
+// The built-in digital twin: a synthetic patient whose unloaded, supine and upright shapes are known.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "core/context.hpp"
+#include "geometry/image.hpp"
+#include "geometry/tri_mesh.hpp"
+
+namespace sanatrix::phantom {
+
+enum class Density { Fatty, Scattered, Heterogeneous, Dense };
+Density parse_density(const std::string& name);  ///< Error{Usage} otherwise
+
+struct Options {
+  std::uint64_t seed = 1;
+  double volume_cm3 = 600.0;  ///< of one breast, unloaded; 150..1500
+  Density density = Density::Scattered;
+};
+
+struct Phantom {
+  LabelImage labels;                 ///< prone, 1 mm
+  TetMesh mesh;                      ///< the truth's mesh, vertices in the unloaded shape
+  std::vector<Vec3> prone, supine, upright;  ///< vertex positions of the P2/P1 solutions [m]
+  std::vector<double> fibroglandular;        ///< per cell
+  std::string plan_json;             ///< as for shared plans, prone frame
+};
+Phantom make_phantom(const Options& options, const Context& ctx);
+
+}  // namespace sanatrix::phantom

@@ -1,0 +1,76 @@
+// Step H: the only place where healing and mechanics meet. Species advance for six days, then the
+// body finds its new equilibrium with the healed tissue, and so on for three months.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/context.hpp"
+#include "healing/reaction_diffusion.hpp"
+#include "mechanics/problem.hpp"
+
+namespace sanatrix::recovery {
+
+struct Schedule {
+  double days = 90.0;
+  double mechanics_interval_days = 6.0;
+  double record_interval_days = 0.5;  ///< history rows between mechanics steps
+};
+
+/// One row of history.csv; columns as in the reference histories of validation.
+struct HistoryRow {
+  healing::SpeciesRecord species;
+  double volume_ratio = 1.0;          ///< V/V0 of the wound
+  double max_displacement_mm = 0.0;   ///< of the skin against day 0
+  double wall_displacement_mm = 0.0;  ///< mean inward displacement of the wound's boundary
+  double min_jacobian = 1.0;
+};
+
+/// Everything needed to go on after a stop.
+struct Checkpoint {
+  double t_s = 0.0;
+  std::vector<double> species;
+  mechanics::Shape shape;
+  std::vector<HistoryRow> history;
+};
+
+struct Result {
+  std::vector<HistoryRow> history;
+  mechanics::Shape healed;             ///< supine equilibrium at the end
+  std::vector<double> species;         ///< vertices x species at the end
+  std::vector<mechanics::Tissue> tissue;  ///< per cell at the end
+  mechanics::SolveReport totals;       ///< summed over all solves
+  double seconds_species = 0.0, seconds_mechanics = 0.0;
+};
+
+/// Tissue of every cell for a given state of healing: damage 1 - eta/eta0 scales the isochoric
+/// energy inside the wound, kappa and stiffness of the wound replace the healthy ones by volume
+/// fraction, T0 eta/eta0 pulls. Healthy cells are untouched.
+std::vector<mechanics::Tissue> healing_tissue(std::span<const mechanics::Tissue> healthy,
+                                              std::span<const double> wound_fraction,
+                                              std::span<const double> cell_density,
+                                              const healing::WoundMechanics& wound);
+
+struct Problem {
+  const mechanics::Body* body = nullptr;          ///< with healthy tissue
+  std::span<const Vec3> reference_nodes;          ///< stress-free shape
+  mechanics::Shape start;                         ///< equilibrium before surgery (supine)
+  std::span<const Vec3> species_points;           ///< vertex positions on which species diffuse
+  std::vector<double> wound_fraction;             ///< per cell
+  Vec3 gravity{};
+  const healing::Model* model = nullptr;
+  healing::RdOptions species_options;
+  Schedule schedule;
+};
+using Save = std::function<void(const Checkpoint&)>;  ///< called after every mechanics step
+/// Called after every mechanics step with time, species (vertices x species) and shape.
+using Observe = std::function<void(double t_day, std::span<const double> species, const mechanics::Shape&)>;
+
+Result heal(const Problem& problem, const std::optional<Checkpoint>& resume, const Save& save,
+            const Observe& observe, const Context& ctx);
+/// history.csv: the columns of the reference histories plus max_displacement_mm and min_jacobian.
+std::string history_csv(const std::vector<HistoryRow>& history, const healing::Model& model);
+
+}  // namespace sanatrix::recovery

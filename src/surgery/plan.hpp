@@ -1,0 +1,76 @@
+// Step G: what the surgeon decides and what it removes. Pure geometry in one frame.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/context.hpp"
+#include "geometry/distance.hpp"
+#include "geometry/tet_mesh.hpp"
+
+namespace sanatrix::surgery {
+
+enum class Side { Right, Left };
+enum class Frame { Prone, Supine };  ///< the pose in which the plan's coordinates are given
+
+struct Plan {
+  Side side = Side::Left;
+  Frame frame = Frame::Prone;
+  std::string quadrant;            ///< free text of the surgeon, may be empty
+  Vec3 tumour_centre{};            ///< [m], LPS
+  double tumour_radius = 0.0;      ///< [m]
+  double margin = 0.010;           ///< [m]
+  double clearance = 0.005;        ///< caps stay this far from skin and chest wall [m]
+  std::optional<double> radius;    ///< cylinder radius [m]; default tumour_radius + margin
+  std::optional<Vec3> axis;        ///< towards the skin; default the chest-wall normal
+  std::vector<std::vector<Vec3>> incisions;  ///< polylines on the skin, may be empty [m]
+};
+
+/// Reads the JSON of shared plans (coordinates in LPS mm; docs/user/plan.md). Error{Input} names
+/// the key that is missing or wrong; left/right contradictions between `operated_side`, tumour
+/// position and midline are errors.
+Plan read_plan(const std::string& json_text, const std::string& file_name);
+/// The same document with the fields of `plan`, so that a changed plan can be stored.
+std::string write_plan(const Plan& plan);
+/// Changes one field by name ("margin_mm", "radius_mm", "clearance_mm", "tumour_radius_mm");
+/// Error{Usage} for unknown names, Error{Input} for values out of range.
+void set_plan_value(Plan& plan, const std::string& key, const std::string& value);
+
+/// The removed volume: a cylinder normal to the chest wall with smoothly rounded caps that stay
+/// `clearance` from skin and chest wall, as an implicit function.
+class Resection {
+ public:
+  /// The mesh's skin and chest boundaries at `points`, the pose of plan.frame. Error{Input} when
+  /// the tumour is outside the model, on the wrong side of the midline, or nothing is left between
+  /// the two clearances.
+  Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
+            double midline_x_m);
+  /// Negative inside; |value| is close to the distance near the surface [m].
+  [[nodiscard]] double signed_distance(const Vec3& p) const;
+  /// The body of the shape before caps: a capsule that contains it (for mesh focus and search).
+  [[nodiscard]] Vec3 axis_towards_skin() const { return axis_; }
+  [[nodiscard]] Vec3 chest_point() const { return chest_; }
+  [[nodiscard]] Vec3 skin_point() const { return skin_; }
+  [[nodiscard]] double radius() const { return radius_; }
+  /// Volume of the exact shape inside the body by fine sampling (error well below 0.5 %) [m3].
+  [[nodiscard]] double exact_volume() const;
+
+ private:
+  SurfaceTree skin_tree_, chest_tree_;
+  Vec3 axis_{}, chest_{}, skin_{}, centre_{};
+  double radius_ = 0.0, clearance_ = 0.0, blend_ = 0.0;
+};
+
+struct Wound {
+  std::vector<double> fraction;  ///< per cell, 0..1: share of the cell's volume that is removed
+  double excised_m3 = 0.0;       ///< sum of fraction x cell volume in the pose of the plan
+  double exact_m3 = 0.0;         ///< volume of the exact shape
+  double min_skin_distance_m = 0.0, min_chest_distance_m = 0.0;
+  std::vector<std::vector<int>> incision_vertices;  ///< skin vertices along each incision line
+  std::vector<std::string> warnings;
+};
+Wound resect(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
+             double midline_x_m, const Context& ctx);
+
+}  // namespace sanatrix::surgery
