@@ -21,5 +21,4 @@ void sync_to_disk(const std::filesystem::path& path);
 std::string sha256_of_file(const std::filesystem::path& file);
 std::string sha256_of_text(std::string_view text);
 
-
 }  // namespace sanatrix

@@ -17,14 +17,15 @@ enum class Frame { Prone, Supine };  ///< the pose in which the plan's coordinat
 struct Plan {
   Side side = Side::Left;
   Frame frame = Frame::Prone;
-  std::string quadrant;            ///< free text of the surgeon, may be empty
-  Vec3 tumour_centre{};            ///< [m], LPS
-  double tumour_radius = 0.0;      ///< [m]
-  double margin = 0.010;           ///< [m]
-  double clearance = 0.005;        ///< caps stay this far from skin and chest wall [m]
-  std::optional<double> radius;    ///< cylinder radius [m]; default tumour_radius + margin
-  std::optional<Vec3> axis;        ///< towards the skin; default the chest-wall normal
+  std::string quadrant;          ///< free text of the surgeon, may be empty
+  Vec3 tumour_centre{};          ///< [m], LPS
+  double tumour_radius = 0.0;    ///< [m]
+  double margin = 0.010;         ///< [m]
+  double clearance = 0.005;      ///< caps stay this far from skin and chest wall [m]
+  std::optional<double> radius;  ///< cylinder radius [m]; default tumour_radius + margin
+  std::optional<Vec3> axis;      ///< towards the skin; default the chest-wall normal
   std::vector<std::vector<Vec3>> incisions;  ///< polylines on the skin, may be empty [m]
+  std::string document = "{}";  ///< JSON it was read from: write_plan keeps what it does not know
 };
 
 /// Reads the JSON of shared plans (coordinates in LPS mm; docs/user/plan.md). Error{Input} names
@@ -38,7 +39,8 @@ std::string write_plan(const Plan& plan);
 void set_plan_value(Plan& plan, const std::string& key, const std::string& value);
 
 /// The removed volume: a cylinder normal to the chest wall with smoothly rounded caps that stay
-/// `clearance` from skin and chest wall, as an implicit function.
+/// `clearance` from skin and chest wall, as an implicit function. Always the one connected piece
+/// that holds the tumour. docs/theory/surgery.md
 class Resection {
  public:
   /// The mesh's skin and chest boundaries at `points`, the pose of plan.frame. Error{Input} when
@@ -48,18 +50,52 @@ class Resection {
             double midline_x_m);
   /// Negative inside; |value| is close to the distance near the surface [m].
   [[nodiscard]] double signed_distance(const Vec3& p) const;
-  /// The body of the shape before caps: a capsule that contains it (for mesh focus and search).
+  /// Share of a tetrahedron that is removed, 0..1.
+  [[nodiscard]] double volume_fraction(const std::array<Vec3, 4>& corners) const;
+  /// The axis of the shape: chest_point() to skin_point() with radius() contains all of it but
+  /// what slanting skin adds (for mesh focus and search).
   [[nodiscard]] Vec3 axis_towards_skin() const { return axis_; }
   [[nodiscard]] Vec3 chest_point() const { return chest_; }
   [[nodiscard]] Vec3 skin_point() const { return skin_; }
   [[nodiscard]] double radius() const { return radius_; }
-  /// Volume of the exact shape inside the body by fine sampling (error well below 0.5 %) [m3].
-  [[nodiscard]] double exact_volume() const;
+  /// The exact shape inside the body by fine sampling (volume error well below 0.5 %).
+  struct Measure {
+    double volume_m3, min_skin_distance_m, min_chest_distance_m;
+  };
+  [[nodiscard]] Measure measure() const;
+  [[nodiscard]] double exact_volume() const { return measure().volume_m3; }  ///< [m3]
 
  private:
+  /// Which of the two caps can matter within some reach of a point; the other needs no search.
+  struct Caps {
+    bool skin, chest;
+  };
+  [[nodiscard]] Caps caps_near(const Vec3& p, double reach) const;
+  [[nodiscard]] double lateral(const Vec3& p) const;
+  [[nodiscard]] double shape(const Vec3& p, Caps caps) const;
+  [[nodiscard]] double value(const Vec3& p, Caps caps) const;
+  [[nodiscard]] double cut_share(const std::array<Vec3, 4>& t, Caps caps) const;
+  void place_axis(const Plan& plan, const TriMesh& skin, const TriMesh& chest);
+  void fill_piece();
+  void measure_cell(const std::array<int, 3>& low, Measure& sum) const;
+
+  /// Samples of the piece around the tumour on a grid along the axis; value 0 elsewhere.
+  struct Grid {
+    Vec3 e1{}, e2{};
+    double step = 0.0;
+    int half_width = 0, half_length = 0;
+    std::vector<float> depth;  ///< distance below the surface [m]
+    [[nodiscard]] std::size_t index(int i, int j, int k) const;
+  };
+  [[nodiscard]] Vec3 sample_point(double i, double j, double k) const;
+  [[nodiscard]] bool in_piece(const Vec3& p) const;
+
   SurfaceTree skin_tree_, chest_tree_;
+  TetLocator body_;
   Vec3 axis_{}, chest_{}, skin_{}, centre_{};
   double radius_ = 0.0, clearance_ = 0.0, blend_ = 0.0;
+  Grid grid_;
+  bool meets_clip_planes_ = false;
 };
 
 struct Wound {

@@ -1,0 +1,106 @@
+#include "fem/layout.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "fem/session.hpp"
+
+namespace sanatrix::fem {
+
+namespace {
+
+/// Orders [first, last) by halving space along its longest axis until single nodes remain.
+void bisect(std::span<const Vec3> positions, std::span<int> nodes) {
+  if (nodes.size() < 2) {
+    return;
+  }
+  Vec3 low = positions[static_cast<std::size_t>(nodes[0])];
+  Vec3 high = low;
+  for (const int n : nodes) {
+    const Vec3& p = positions[static_cast<std::size_t>(n)];
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], p[i]);
+      high[i] = std::max(high[i], p[i]);
+    }
+  }
+  const Vec3 extent = high - low;
+  const auto axis = static_cast<std::size_t>(std::max_element(extent.begin(), extent.end()) -
+                                             extent.begin());
+  const auto middle = static_cast<std::ptrdiff_t>(nodes.size() / 2);
+  std::nth_element(nodes.begin(), nodes.begin() + middle, nodes.end(), [&](int a, int b) {
+    const double pa = positions[static_cast<std::size_t>(a)][axis];
+    const double pb = positions[static_cast<std::size_t>(b)][axis];
+    return pa != pb ? pa < pb : a < b;
+  });
+  bisect(positions, nodes.first(static_cast<std::size_t>(middle)));
+  bisect(positions, nodes.subspan(static_cast<std::size_t>(middle)));
+}
+
+}  // namespace
+
+int EdgeTable::find(int a, int b) const {
+  const std::array<int, 2> key{std::min(a, b), std::max(a, b)};
+  const auto it = std::lower_bound(edges.begin(), edges.end(), key);
+  return it != edges.end() && *it == key ? static_cast<int>(it - edges.begin()) : -1;
+}
+
+EdgeTable make_edges(std::span<const std::array<int, 4>> cells) {
+  EdgeTable table;
+  table.edges.reserve(6 * cells.size());
+  for (const auto& cell : cells) {
+    for (const auto& [i, j] : EdgeTable::local) {
+      const int a = cell[static_cast<std::size_t>(i)];
+      const int b = cell[static_cast<std::size_t>(j)];
+      table.edges.push_back({std::min(a, b), std::max(a, b)});
+    }
+  }
+  std::sort(table.edges.begin(), table.edges.end());
+  table.edges.erase(std::unique(table.edges.begin(), table.edges.end()), table.edges.end());
+  table.cell_edges.resize(cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    for (std::size_t e = 0; e < 6; ++e) {
+      const auto& [i, j] = EdgeTable::local[e];
+      table.cell_edges[c][e] = table.find(cells[c][static_cast<std::size_t>(i)],
+                                          cells[c][static_cast<std::size_t>(j)]);
+    }
+  }
+  return table;
+}
+
+Layout make_layout(std::span<const Vec3> node_positions, std::vector<int> node_dofs) {
+  std::vector<int> order(node_positions.size());
+  std::iota(order.begin(), order.end(), 0);
+  bisect(node_positions, order);
+
+  Layout layout;
+  layout.node_dofs = std::move(node_dofs);
+  layout.first_dof.resize(order.size());
+  layout.dofs = std::accumulate(layout.node_dofs.begin(), layout.node_dofs.end(), 0);
+  // A rank owns the nodes whose first unknown lies in its equal share of all unknowns.
+  const long share_of = layout.dofs;
+  const int mine = rank();
+  const int all = ranks();
+  int next = 0;
+  int begin = layout.dofs;
+  int end = 0;
+  for (const int n : order) {
+    const auto node = static_cast<std::size_t>(n);
+    layout.first_dof[node] = next;
+    const int owner = static_cast<int>(static_cast<long>(next) * all / share_of);
+    const int after = next + layout.node_dofs[node];
+    if (owner == mine) {
+      begin = std::min(begin, next);
+      end = after;
+    }
+    next = after;
+  }
+  layout.own_begin = std::min(begin, end);
+  layout.own_end = end;
+  if (begin > end) {  // a rank without nodes: its empty range starts where its share would
+    const long start = (static_cast<long>(mine) * share_of + all - 1) / all;
+    layout.own_begin = layout.own_end = static_cast<int>(start);
+  }
+  return layout;
+}
+
+}  // namespace sanatrix::fem

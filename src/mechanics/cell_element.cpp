@@ -1,0 +1,311 @@
+// The solid element: P1/P1 with pressure projection and P2/P1 Taylor-Hood from one template.
+#include <algorithm>
+#include <limits>
+
+#include "mechanics/elements.hpp"
+#include "mechanics/mooney_rivlin.hpp"
+#include "mechanics/shape_functions.hpp"
+
+namespace sanatrix::mechanics {
+
+namespace {
+
+template <std::size_t Nodes>
+struct Local {
+  static constexpr std::size_t size = 3 * Nodes + 4;
+  std::span<double> residual, matrix;
+  [[nodiscard]] bool wants_matrix() const { return !matrix.empty(); }
+  double& K(std::size_t row, std::size_t column) const { return matrix[row * size + column]; }
+};
+
+/// Everything about one quadrature point that both directions need.
+template <std::size_t Nodes>
+struct Point {
+  double volume;                   // weight in the known configuration [m3]
+  std::array<double, Nodes> N;     // basis values
+  std::array<double, 4> Np;        // pressure basis values
+  std::array<Vec3, Nodes> G;       // gradients in the known configuration [1/m]
+  Mat3 H;                          // d sought / d known
+  double p;
+};
+
+template <std::size_t Nodes>
+Point<Nodes> make_point(const CellInput& in, const QuadraturePoint<4>& q) {
+  const TetBasis<Nodes> basis(q.lambda);
+  Mat3 jacobian{};  // d known / d lambda
+  for (std::size_t a = 0; a < Nodes; ++a) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t d = 0; d < 3; ++d) {
+        jacobian[i][d] += in.known[a][i] * basis.derivative[a][d];
+      }
+    }
+  }
+  Point<Nodes> point{};
+  point.volume = q.weight * determinant(jacobian) / 6.0;
+  point.N = basis.value;
+  point.Np = q.lambda;
+  const Mat3 to_known = transpose(inverse(jacobian));
+  for (std::size_t a = 0; a < Nodes; ++a) {
+    point.G[a] = to_known * basis.derivative[a];
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t J = 0; J < 3; ++J) {
+        point.H[i][J] += in.sought[a][i] * point.G[a][J];
+      }
+    }
+  }
+  for (std::size_t v = 0; v < 4; ++v) {
+    point.p += q.lambda[v] * in.pressure[v];
+  }
+  return point;
+}
+
+/// Adds the displacement-displacement block  w G_aJ D_iJkL G_bL.
+template <std::size_t Nodes>
+void add_stiffness(const Point<Nodes>& at, double w, const Tangent9& D, const Local<Nodes>& out) {
+  for (std::size_t b = 0; b < Nodes; ++b) {
+    std::array<std::array<double, 3>, 9> DG{};
+    for (std::size_t m = 0; m < 9; ++m) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        DG[m][k] = w * (D[m][3 * k] * at.G[b][0] + D[m][3 * k + 1] * at.G[b][1] +
+                        D[m][3 * k + 2] * at.G[b][2]);
+      }
+    }
+    for (std::size_t a = 0; a < Nodes; ++a) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          out.K(3 * a + i, 3 * b + k) += at.G[a][0] * DG[3 * i][k] + at.G[a][1] * DG[3 * i + 1][k] +
+                                         at.G[a][2] * DG[3 * i + 2][k];
+        }
+      }
+    }
+  }
+}
+
+/// Reference shape known: F = H. Returns det F.
+template <std::size_t Nodes>
+double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Nodes>& out) {
+  const double J = determinant(at.H);
+  if (!(J > 0.0)) {
+    return J;
+  }
+  const StressPoint s = stress(in.tissue, at.H, at.p);
+  const double w = at.volume;
+  const Mat3 cofactor = {J * s.F_inv_t[0], J * s.F_inv_t[1], J * s.F_inv_t[2]};
+  for (std::size_t a = 0; a < Nodes; ++a) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      out.residual[3 * a + i] +=
+          w * (dot(s.P[i], at.G[a]) - in.tissue.density * at.N[a] * in.gravity[i]);
+    }
+  }
+  for (std::size_t q = 0; q < 4; ++q) {
+    out.residual[3 * Nodes + q] += w * at.Np[q] * (J - 1.0);
+  }
+  if (!out.wants_matrix()) {
+    return J;
+  }
+  Tangent9 A{};
+  stress_tangent(in.tissue, at.H, at.p, s, A);
+  add_stiffness(at, w, A, out);
+  for (std::size_t a = 0; a < Nodes; ++a) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double c = w * dot(cofactor[i], at.G[a]);
+      for (std::size_t q = 0; q < 4; ++q) {
+        out.K(3 * a + i, 3 * Nodes + q) += c * at.Np[q];
+        out.K(3 * Nodes + q, 3 * a + i) += c * at.Np[q];
+      }
+    }
+  }
+  return J;
+}
+
+/// d sigma_ij / d f_Kl for sigma = P F^T / J, F = f^-1, index [3 i + j][3 K + l].
+Tangent9 inverse_tangent(const Tissue& tissue, const Mat3& F, double p, const StressPoint& s,
+                         const Mat3& sigma) {
+  Tangent9 A{};
+  stress_tangent(tissue, F, p, s, A);
+  const double j = 1.0 / s.J;
+  Tangent9 D{};
+  for (std::size_t K = 0; K < 3; ++K) {
+    for (std::size_t l = 0; l < 3; ++l) {
+      std::array<double, 9> dF{};  // -F_iK F_lJ
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t J = 0; J < 3; ++J) {
+          dF[3 * i + J] = -F[i][K] * F[l][J];
+        }
+      }
+      Mat3 dP{};
+      for (std::size_t m = 0; m < 9; ++m) {
+        double sum = 0.0;
+        for (std::size_t n = 0; n < 9; ++n) {
+          sum += A[m][n] * dF[n];
+        }
+        dP[m / 3][m % 3] = sum;
+      }
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const Vec3 dF_k{dF[3 * k], dF[3 * k + 1], dF[3 * k + 2]};
+          D[3 * i + k][3 * K + l] =
+              F[l][K] * sigma[i][k] + j * (dot(dP[i], F[k]) + dot(s.P[i], dF_k));
+        }
+      }
+    }
+  }
+  return D;
+}
+
+/// Deformed shape known: F = H^-1. Returns det F.
+template <std::size_t Nodes>
+double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Nodes>& out) {
+  const double j = determinant(at.H);
+  if (!(j > 0.0)) {
+    return j;
+  }
+  const Mat3 F = inverse(at.H);
+  const StressPoint s = stress(in.tissue, F, at.p);
+  Mat3 sigma{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      sigma[i][k] = j * dot(s.P[i], F[k]);
+    }
+  }
+  const double w = at.volume;
+  const double weight_density = j * in.tissue.density;
+  for (std::size_t a = 0; a < Nodes; ++a) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      out.residual[3 * a + i] +=
+          w * (dot(sigma[i], at.G[a]) - weight_density * at.N[a] * in.gravity[i]);
+    }
+  }
+  for (std::size_t q = 0; q < 4; ++q) {
+    out.residual[3 * Nodes + q] += w * at.Np[q] * (1.0 - j);
+  }
+  if (!out.wants_matrix()) {
+    return s.J;
+  }
+  add_stiffness(at, w, inverse_tangent(in.tissue, F, at.p, s, sigma), out);
+  for (std::size_t b = 0; b < Nodes; ++b) {
+    for (std::size_t K = 0; K < 3; ++K) {
+      const Vec3 column{F[0][K], F[1][K], F[2][K]};
+      const double dj = w * j * dot(column, at.G[b]);
+      for (std::size_t a = 0; a < Nodes; ++a) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          out.K(3 * a + i, 3 * b + K) -= dj * in.tissue.density * at.N[a] * in.gravity[i];
+        }
+      }
+      for (std::size_t q = 0; q < 4; ++q) {
+        out.K(3 * Nodes + q, 3 * b + K) -= dj * at.Np[q];
+      }
+    }
+  }
+  for (std::size_t a = 0; a < Nodes; ++a) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t q = 0; q < 4; ++q) {
+        out.K(3 * a + i, 3 * Nodes + q) += w * at.G[a][i] * at.Np[q];
+      }
+    }
+  }
+  return s.J;
+}
+
+/// Compressibility  -int q p/kappa dV  and stabilisation  -tau int (p - Pi p)(q - Pi q) dV  of one
+/// quadrature contribution with mass matrix M and moments m, in the reference measure. `scale` is
+/// dV_ref per the measure of M (1, or j); for the inverse, gradient d(scale)/dX arrives separately.
+struct PressureMass {
+  std::array<std::array<double, 4>, 4> M{};
+};
+
+/// Shear modulus that sets the size of the stabilisation: at full integrity, because a fresh wound
+/// (1 % of it) would otherwise be forced to constant pressure.
+double stabilising_shear(const Tissue& t) { return 2.0 * (t.c1 + t.c2) + t.active_stress; }
+
+/// B = M/kappa + tau (M - m m^T/V) for an affine cell with constant measure V.
+PressureMass affine_pressure_block(const Tissue& tissue, double V) {
+  PressureMass block;
+  const double tau = 1.0 / stabilising_shear(tissue);
+  for (std::size_t a = 0; a < 4; ++a) {
+    for (std::size_t b = 0; b < 4; ++b) {
+      const double mass = V / 20.0 * (a == b ? 2.0 : 1.0);
+      block.M[a][b] = mass / tissue.kappa + tau * (mass - V / 16.0);
+    }
+  }
+  return block;
+}
+
+/// Adds -s B p and its derivatives; ds_dX (may be null) is s's gradient with respect to the sought
+/// nodes in the inverse problem, per unit of s B.
+template <std::size_t Nodes>
+void add_pressure_block(const CellInput& in, const PressureMass& block, const Point<Nodes>& at,
+                        const Local<Nodes>& out) {
+  const double j = in.unknown == Unknown::Reference ? determinant(at.H) : 1.0;
+  std::array<double, 4> Bp{};
+  for (std::size_t q = 0; q < 4; ++q) {
+    for (std::size_t r = 0; r < 4; ++r) {
+      Bp[q] += block.M[q][r] * in.pressure[r];
+    }
+    out.residual[3 * Nodes + q] -= j * Bp[q];
+  }
+  if (!out.wants_matrix()) {
+    return;
+  }
+  for (std::size_t q = 0; q < 4; ++q) {
+    for (std::size_t r = 0; r < 4; ++r) {
+      out.K(3 * Nodes + q, 3 * Nodes + r) -= j * block.M[q][r];
+    }
+  }
+  if (in.unknown == Unknown::Reference) {
+    const Mat3 F = inverse(at.H);
+    for (std::size_t b = 0; b < Nodes; ++b) {
+      for (std::size_t K = 0; K < 3; ++K) {
+        const double dj = j * dot(Vec3{F[0][K], F[1][K], F[2][K]}, at.G[b]);
+        for (std::size_t q = 0; q < 4; ++q) {
+          out.K(3 * Nodes + q, 3 * b + K) -= dj * Bp[q];
+        }
+      }
+    }
+  }
+}
+
+template <std::size_t Nodes>
+std::span<const QuadraturePoint<4>> rule() {
+  if constexpr (Nodes == 4) {
+    return tet_centroid;
+  } else {
+    return tet_degree5();
+  }
+}
+
+}  // namespace
+
+template <std::size_t Nodes>
+double cell_element(const CellInput& in, std::span<double> residual, std::span<double> matrix) {
+  std::ranges::fill(residual, 0.0);
+  std::ranges::fill(matrix, 0.0);
+  const Local<Nodes> out{residual, matrix};
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const auto& q : rule<Nodes>()) {
+    const Point<Nodes> at = make_point<Nodes>(in, q);
+    const double J = in.unknown == Unknown::Deformed ? add_forward(in, at, out)
+                                                      : add_inverse(in, at, out);
+    smallest = std::min(smallest, J);
+    if (!(J > 0.0)) {
+      return J;
+    }
+    PressureMass block;
+    if constexpr (Nodes == 4) {
+      block = affine_pressure_block(in.tissue, at.volume);
+    } else {
+      for (std::size_t a = 0; a < 4; ++a) {
+        for (std::size_t b = 0; b < 4; ++b) {
+          block.M[a][b] = at.volume * at.Np[a] * at.Np[b] / in.tissue.kappa;
+        }
+      }
+    }
+    add_pressure_block(in, block, at, out);
+  }
+  return smallest;
+}
+
+template double cell_element<4>(const CellInput&, std::span<double>, std::span<double>);
+template double cell_element<10>(const CellInput&, std::span<double>, std::span<double>);
+
+}  // namespace sanatrix::mechanics

@@ -1,0 +1,83 @@
+// A body as unknowns and elements: gathers node values, calls the element kernels in parallel
+// threads, and hands their blocks to the sparse system.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "fem/sparse_system.hpp"
+#include "mechanics/elements.hpp"
+#include "mechanics/problem.hpp"
+
+namespace sanatrix::mechanics {
+
+/// The unknowns: node positions of the sought shape and pressures at the vertices.
+struct State {
+  std::vector<Vec3> nodes;
+  std::vector<double> pressure;
+};
+
+/// The worst cell of an evaluation.
+struct Worst {
+  double J = 0.0;
+  int cell = -1;
+};
+
+class DiscreteBody {
+ public:
+  explicit DiscreteBody(const Body& body);
+
+  [[nodiscard]] const Body& body() const { return body_; }
+  [[nodiscard]] const fem::EdgeTable& edges() const { return edges_; }
+  [[nodiscard]] std::size_t node_count() const { return node_count_; }
+  void set_tissue(std::span<const Tissue> tissue);
+
+  /// Chooses direction, known shape and gravity for the following evaluations.
+  void begin(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity);
+  /// R(state), complete on every rank; fixed unknowns have zero. False when a cell is inverted
+  /// (worst() names it).
+  bool residual(const State& state, std::vector<double>& r);
+  /// R and its matrix. at_rest: membranes answer with their stiffness at rest.
+  bool residual_and_matrix(const State& state, std::vector<double>& r, bool at_rest);
+  fem::LinearReport solve(std::span<const double> b, double relative_tolerance,
+                          std::vector<double>& x);
+  void forget_factorisation();
+  /// state + alpha d
+  [[nodiscard]] State moved(const State& state, std::span<const double> d, double alpha) const;
+  /// Euclidean norm with pressure rows [m3] scaled to forces [N] by a typical mu/h.
+  [[nodiscard]] double norm(std::span<const double> r) const;
+  /// What that norm is compared with: the norm of the gravity load, or a small force of the body's
+  /// own stiffness where there is no gravity. [N]
+  [[nodiscard]] double load_scale() const { return load_scale_; }
+  [[nodiscard]] const Worst& worst() const { return worst_; }
+  /// Mean det F over the quadrature points of every cell.
+  [[nodiscard]] std::vector<double> jacobians(std::span<const Vec3> reference,
+                                              std::span<const Vec3> deformed) const;
+
+ private:
+  template <std::size_t CellNodes, std::size_t FaceNodes>
+  bool evaluate(const State& state, bool with_matrix, bool at_rest);
+  bool run(const State& state, bool with_matrix, bool at_rest);
+  [[nodiscard]] int node_of_cell(std::size_t cell, std::size_t local) const;
+  [[nodiscard]] int node_of_face(std::size_t face, std::size_t local) const;
+  void list_elements();
+  [[nodiscard]] fem::SparseSystem& system();
+
+  Body body_;
+  fem::EdgeTable edges_;
+  std::vector<std::array<int, 3>> face_edges_;
+  std::size_t node_count_ = 0;
+  fem::Layout layout_;
+  fem::ElementList elements_;
+  std::vector<int> cells_, faces_;  ///< of this rank, in element order
+  std::vector<int> fixed_dofs_;
+  std::vector<bool> is_pressure_;
+  std::unique_ptr<fem::SparseSystem> forward_, inverse_;
+  Unknown unknown_ = Unknown::Deformed;
+  std::vector<Vec3> known_;
+  Vec3 gravity_{};
+  double pressure_scale_ = 1.0, load_scale_ = 1.0;
+  Worst worst_;
+};
+
+}  // namespace sanatrix::mechanics

@@ -1,0 +1,48 @@
+// Residual and tangent of one cell and of one skin face, for an unknown deformed shape (forward) or
+// an unknown reference shape (inverse). Both come from the same discrete equations R(X, x, p) = 0,
+// so that unloading and loading again returns the same shape to solver accuracy.
+#pragma once
+
+#include <span>
+
+#include "mechanics/material.hpp"
+#include "geometry/vec3.hpp"
+
+namespace sanatrix::mechanics {
+
+enum class Unknown {
+  Deformed,   ///< reference X is known, deformed x is sought
+  Reference,  ///< deformed x is known, reference X is sought
+};
+
+struct CellInput {
+  Unknown unknown;
+  std::span<const Vec3> known, sought;  ///< node positions [m]
+  std::array<double, 4> pressure;       ///< at the vertices [Pa]
+  Tissue tissue;
+  Vec3 gravity;                         ///< [m/s2]
+};
+
+/// Weak form of Eq. (8) with pressure p as an independent field:
+///   R_u = int P : grad(w) dV - int rho g . w dV,   R_p = int q (J - 1 - p/kappa) dV - stabilisation,
+/// with the polynomial pressure projection of Bochev and Dohrmann for P1/P1
+/// (doi:10.1137/S0036142905444482), integrated in the reference measure.
+/// Unknowns: displacement node-major xyz, then 4 pressures. residual: 3 Nodes + 4; matrix: its
+/// square, row-major, or empty. Returns the smallest det F; when it is not positive the outputs are
+/// not written.
+template <std::size_t Nodes>
+double cell_element(const CellInput& in, std::span<double> residual, std::span<double> matrix);
+
+struct FaceInput {
+  Unknown unknown;
+  std::span<const Vec3> known, sought;
+  Skin skin;
+  Vec3 gravity;
+  bool tangent_at_rest = false;  ///< see membrane_energy_at_rest
+};
+
+/// Membrane forces and weight of a skin face. residual: 3 Nodes; matrix: its square or empty.
+template <std::size_t Nodes>
+void face_element(const FaceInput& in, std::span<double> residual, std::span<double> matrix);
+
+}  // namespace sanatrix::mechanics

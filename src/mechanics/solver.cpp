@@ -1,0 +1,215 @@
+// Newton's method with line search and load continuation; Solver's public face.
+#include <algorithm>
+#include <chrono>
+
+#include "core/error.hpp"
+#include "mechanics/discrete_body.hpp"
+
+namespace sanatrix::mechanics {
+
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Below this share of a step the search direction is no good: the load step is halved instead.
+constexpr double smallest_step = 1.0 / 64.0;
+
+std::vector<double> minus(const std::vector<double>& a, const std::vector<double>& b, double s) {
+  std::vector<double> r(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    r[i] = a[i] - s * b[i];
+  }
+  return r;
+}
+
+}  // namespace
+
+struct Solver::Impl {
+  DiscreteBody discrete;
+  SolveOptions options;
+  SolveReport report;
+
+  Impl(const Body& body, SolveOptions o) : discrete(body), options(o) {}
+
+  bool newton(State& state, const std::vector<double>& target, double share, bool at_rest,
+              const Context& ctx, double done);
+  bool line_search(State& state, const std::vector<double>& direction,
+                   const std::vector<double>& target, double share, double before);
+  State follow_load(State state, bool from_rest, const Context& ctx);
+  [[noreturn]] void fail(double load) const;
+  Shape finish(State state) { return {std::move(state.nodes), std::move(state.pressure)}; }
+};
+
+/// Backtracking on the norm of R - share * target. Moves the state and says whether it got better.
+bool Solver::Impl::line_search(State& state, const std::vector<double>& direction,
+                               const std::vector<double>& target, double share, double before) {
+  std::vector<double> r;
+  for (double alpha = 1.0; alpha >= smallest_step;) {
+    State trial = discrete.moved(state, direction, alpha);
+    const auto start = std::chrono::steady_clock::now();
+    const bool valid = discrete.residual(trial, r);
+    report.seconds_assembly += seconds_since(start);
+    const double after = valid ? discrete.norm(minus(r, target, share)) : 0.0;
+    if (valid && after < (1.0 - 1e-3 * alpha) * before) {
+      state = std::move(trial);
+      return true;
+    }
+    // The quadratic through the merit at 0 (slope -2 before^2) and alpha, kept within [0.1, 0.5].
+    const double ratio = valid ? after / before : 0.0;
+    const double best = valid ? alpha / (ratio * ratio - 1.0 + 2.0 * alpha) * alpha : 0.5 * alpha;
+    alpha = std::clamp(best, 0.1 * alpha, 0.5 * alpha);
+  }
+  return false;
+}
+
+/// Solves R(state) = share * target. False when it does not converge; state is then unspecified.
+bool Solver::Impl::newton(State& state, const std::vector<double>& target, double share,
+                          bool at_rest, const Context& ctx, double done) {
+  const double tolerance = options.relative_tolerance * discrete.load_scale();
+  double previous = 0.0;
+  for (int it = 0; it <= options.max_newton; ++it) {
+    std::vector<double> r;
+    auto start = std::chrono::steady_clock::now();
+    if (!discrete.residual_and_matrix(state, r, at_rest && it == 0)) {
+      return false;
+    }
+    report.seconds_assembly += seconds_since(start);
+    r = minus(r, target, share);
+    const double now = discrete.norm(r);
+    report.last_residual = now / discrete.load_scale();
+    ctx.detail(done, fmt::format("load {:.3g} %, Newton {}, residual {:.2e}, min J {:.3f}",
+                                 100.0 * (1.0 - share), it, report.last_residual,
+                                 discrete.worst().J));
+    if (now <= tolerance) {
+      report.min_jacobian = discrete.worst().J;
+      return true;
+    }
+    if (it == options.max_newton || !std::isfinite(now)) {
+      return false;
+    }
+    // Eisenstat and Walker, choice 2 (doi:10.1137/0917003), never tighter than the goal needs.
+    const double forcing = it == 0 ? 1e-2 : std::min(1e-2, 0.9 * (now / previous) * (now / previous));
+    previous = now;
+    const double linear = std::max({forcing, 0.1 * tolerance / now, 1e-8});
+    std::vector<double> direction;
+    start = std::chrono::steady_clock::now();
+    std::ranges::transform(r, r.begin(), std::negate<>());
+    const fem::LinearReport solved = discrete.solve(r, linear, direction);
+    report.seconds_linear += seconds_since(start);
+    report.krylov_iterations += solved.iterations;
+    report.factorisations += solved.factorised ? 1 : 0;
+    ++report.newton_iterations;
+    if (!solved.converged || !line_search(state, direction, target, share, now)) {
+      return false;
+    }
+  }
+  return false;
+}
+
+void Solver::Impl::fail(double load) const {
+  const Worst& worst = discrete.worst();
+  const TetMesh& mesh = *discrete.body().mesh;
+  std::string place = "no cell";
+  if (worst.cell >= 0) {
+    const auto c = static_cast<std::size_t>(worst.cell);
+    place = fmt::format("cell {} of region '{}' near ({:.1f}, {:.1f}, {:.1f}) mm", worst.cell,
+                        mesh.region_names[static_cast<std::size_t>(mesh.region[c])],
+                        1e3 * mesh.points[static_cast<std::size_t>(mesh.cells[c][0])][0],
+                        1e3 * mesh.points[static_cast<std::size_t>(mesh.cells[c][0])][1],
+                        1e3 * mesh.points[static_cast<std::size_t>(mesh.cells[c][0])][2]);
+  }
+  throw Error(Fault::Numerics,
+              fmt::format("Newton's method did not converge beyond {:.3g} % of the load (residual "
+                          "{:.1e}); the worst cell is {}, det F = {:.3f}",
+                          100.0 * load, report.last_residual, place, worst.J),
+              "see docs/failing/newton.md: stiffer tissue, a finer mesh there, or element p2p1");
+}
+
+/// Follows R(y) = (1 - s) R(y0) from s = 0, where y0 solves it, to s = 1. From rest that is gravity
+/// turned up; from an equilibrium whose tissue or gravity changed it is the change turned up.
+State Solver::Impl::follow_load(State state, bool from_rest, const Context& ctx) {
+  std::vector<double> start_residual;
+  if (!discrete.residual(state, start_residual)) {
+    fail(0.0);
+  }
+  double load = 0.0;
+  double step = 1.0;
+  int halvings = 0;
+  while (load < 1.0) {
+    const double next = std::min(1.0, load + step);
+    State trial = state;
+    const bool at_rest = from_rest && load == 0.0;
+    if (newton(trial, start_residual, 1.0 - next, at_rest, ctx, load)) {
+      state = std::move(trial);
+      load = next;
+      ++report.load_steps;
+      step *= 2.0;
+      ctx.at(load, fmt::format("load {:.3g} %", 100.0 * load));
+    } else {
+      discrete.forget_factorisation();
+      if (++halvings > options.max_halvings) {
+        fail(load);
+      }
+      step = 0.5 * (next - load);
+    }
+  }
+  return state;
+}
+
+Solver::Solver(const Body& body, SolveOptions options)
+    : impl_(std::make_unique<Impl>(body, options)) {}
+Solver::~Solver() = default;
+
+const std::vector<std::array<int, 2>>& Solver::edges() const { return impl_->discrete.edges().edges; }
+
+std::vector<Vec3> Solver::straight_nodes(std::span<const Vec3> vertices) const {
+  std::vector<Vec3> nodes(vertices.begin(), vertices.end());
+  for (const auto& [a, b] : edges()) {
+    nodes.push_back(0.5 * (vertices[static_cast<std::size_t>(a)] + vertices[static_cast<std::size_t>(b)]));
+  }
+  return nodes;
+}
+
+void Solver::set_tissue(std::span<const Tissue> tissue) { impl_->discrete.set_tissue(tissue); }
+
+Shape Solver::forward(std::span<const Vec3> reference_nodes, const Vec3& gravity,
+                      const Shape* guess, const Context& ctx) {
+  const auto start = std::chrono::steady_clock::now();
+  impl_->report = {};
+  impl_->discrete.begin(Unknown::Deformed, reference_nodes, gravity);
+  State state{{reference_nodes.begin(), reference_nodes.end()},
+              std::vector<double>(impl_->discrete.body().mesh->points.size(), 0.0)};
+  if (guess != nullptr) {
+    state.nodes = guess->nodes;
+    if (!guess->pressure.empty()) {
+      state.pressure = guess->pressure;
+    }
+  }
+  state = impl_->follow_load(std::move(state), guess == nullptr, ctx);
+  impl_->report.converged = true;
+  impl_->report.seconds_total = seconds_since(start);
+  return impl_->finish(std::move(state));
+}
+
+Shape Solver::inverse(std::span<const Vec3> loaded_nodes, const Vec3& gravity, const Context& ctx) {
+  const auto start = std::chrono::steady_clock::now();
+  impl_->report = {};
+  impl_->discrete.begin(Unknown::Reference, loaded_nodes, gravity);
+  State state{{loaded_nodes.begin(), loaded_nodes.end()},
+              std::vector<double>(impl_->discrete.body().mesh->points.size(), 0.0)};
+  state = impl_->follow_load(std::move(state), true, ctx);
+  impl_->report.converged = true;
+  impl_->report.seconds_total = seconds_since(start);
+  return impl_->finish(std::move(state));
+}
+
+const SolveReport& Solver::last_report() const { return impl_->report; }
+
+std::vector<double> Solver::jacobians(std::span<const Vec3> reference_nodes,
+                                      std::span<const Vec3> deformed_nodes) const {
+  return impl_->discrete.jacobians(reference_nodes, deformed_nodes);
+}
+
+}  // namespace sanatrix::mechanics

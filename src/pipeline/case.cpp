@@ -1,0 +1,239 @@
+#include "pipeline/case.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+#include "core/files.hpp"
+#include "imaging/segmentation.hpp"
+#include "io/image_file.hpp"
+
+namespace sanatrix::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+constexpr int format_version = 1;
+
+/// One of the extensions of single-file images, or Error{Input}.
+std::string image_extension(const fs::path& file) {
+  const std::string name = file.filename().string();
+  for (const std::string known : {".nii.gz", ".nii", ".nrrd", ".mha"}) {
+    if (name.ends_with(known)) {
+      return known;
+    }
+  }
+  throw Error(Fault::Input, fmt::format("{}: this is not an image file that can be read", name),
+              "give a .nii.gz, .nii, .nrrd or .mha file");
+}
+
+/// Copies a file into the case under a neutral name (the given one may name a person).
+InputFile take_in(const fs::path& from, const fs::path& folder, const std::string& name) {
+  const InputFile input{"inputs/" + name, sha256_of_file(from)};
+  const fs::path to = folder / input.file;
+  write_aside(to, [&](const fs::path& aside) {
+    std::error_code problem;
+    fs::copy_file(from, aside, fs::copy_options::overwrite_existing, problem);
+    if (problem) {
+      throw Error(Fault::Resource, fmt::format("{}: cannot be written: {}", input.file,
+                                               problem.message()),
+                  "check the free space and the permissions of the case folder");
+    }
+    fs::permissions(aside, fs::perms::owner_read | fs::perms::owner_write |
+                               fs::perms::group_read | fs::perms::others_read);
+  });
+  return input;
+}
+
+json to_json(const Vec3& v) { return json::array({v[0], v[1], v[2]}); }
+
+json to_json(const FocusRule& rule) {
+  json j{{"side", rule.side == surgery::Side::Left ? "L" : "R"}, {"radius_m", rule.radius}};
+  if (rule.centre) {
+    j["centre_m"] = to_json(*rule.centre);
+  }
+  if (rule.axis) {
+    j["axis"] = to_json(*rule.axis);
+  }
+  return j;
+}
+
+FocusRule focus_from(const json& j) {
+  FocusRule rule{.centre = {}, .axis = {}, .side = {}, .radius = j.at("radius_m").get<double>()};
+  rule.side = j.at("side") == "L" ? surgery::Side::Left : surgery::Side::Right;
+  if (j.contains("centre_m")) {
+    rule.centre = j["centre_m"].get<Vec3>();
+  }
+  if (j.contains("axis")) {
+    rule.axis = j["axis"].get<Vec3>();
+  }
+  return rule;
+}
+
+Case case_from(const json& j, const fs::path& folder) {
+  require(j.at("format") == "sanatrix-case", "this is not the case.json of Sanatrix");
+  require(j.at("version") == format_version, "the case has format version {}, this program reads {}",
+          j.at("version").dump(), format_version);
+  Case patient;
+  patient.folder = folder;
+  patient.pseudonym = j.at("pseudonym");
+  patient.label_preset = j.at("label_preset");
+  for (const auto& [name, input] : j.at("inputs").items()) {
+    patient.inputs[name] = {input.at("file"), input.at("sha256")};
+  }
+  for (const auto& [key, value] : j.at("parameters").items()) {
+    patient.parameters.set(key, value.get<std::string>());
+  }
+  if (j.contains("focus")) {
+    patient.focus = focus_from(j["focus"]);
+  }
+  return patient;
+}
+
+void check_plan(const fs::path& file) { surgery::read_plan(read_text(file), file.filename()); }
+
+}  // namespace
+
+fs::path Case::input(const std::string& name) const { return folder / inputs.at(name).file; }
+
+fs::path Case::stage_folder(Stage stage) const { return folder / "stages" / info(stage).folder; }
+
+surgery::Plan Case::plan() const {
+  if (!has_plan()) {
+    throw Error(Fault::Input, "this case has no surgical plan",
+                "give one with `sanatrix run CASE --plan plan.json` (docs/user/plan.md)");
+  }
+  surgery::Plan plan = surgery::read_plan(read_text(input("plan")), "plan.json");
+  const std::string prefix = "surgery.";
+  for (const auto& [key, value] : parameters.given()) {
+    if (key.starts_with(prefix)) {
+      surgery::set_plan_value(plan, key.substr(prefix.size()), value);
+    }
+  }
+  return plan;
+}
+
+Case create_case(const fs::path& folder, const NewCase& given) {
+  require(!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder)),
+          "{}: this folder exists already and is not empty", folder.filename().string());
+  imaging::parse_label_preset(given.label_preset);
+  io::read_labels(given.labels);
+  if (given.image) {
+    io::read_image(*given.image);
+  }
+  if (given.plan) {
+    check_plan(*given.plan);
+  }
+  const fs::path place = fs::absolute(folder).lexically_normal();
+  const fs::path final = place.filename().empty() ? place.parent_path() : place;
+  const fs::path aside = final.parent_path() / ("." + final.filename().string() + ".new");
+  std::error_code problem;
+  fs::remove_all(aside, problem);
+  fs::create_directories(aside / "inputs", problem);
+  if (problem) {
+    throw Error(Fault::Resource, fmt::format("{}: cannot be created: {}",
+                                             final.filename().string(), problem.message()));
+  }
+  Case patient;
+  patient.folder = aside;
+  patient.label_preset = given.label_preset;
+  patient.inputs["labels"] = take_in(given.labels, aside, "labels" + image_extension(given.labels));
+  if (given.image) {
+    patient.inputs["image"] = take_in(*given.image, aside, "image" + image_extension(*given.image));
+  }
+  if (given.plan) {
+    replace_plan(patient, *given.plan);
+  }
+  patient.pseudonym = "case-" + patient.inputs["labels"].sha256.substr(0, 8);
+  save_case(patient);
+  fs::remove(final, problem);  // the empty folder, if there was one
+  fs::rename(aside, final);
+  sync_to_disk(final.parent_path());
+  patient.folder = final;
+  return patient;
+}
+
+Case open_case(const fs::path& folder) {
+  const fs::path file = folder / "case.json";
+  if (!fs::exists(file)) {
+    throw Error(Fault::Input, fmt::format("{} is not a case: it has no case.json",
+                                          folder.filename().string()),
+                "make one with `sanatrix new CASE --labels FILE`");
+  }
+  const std::string text = read_text(file);
+  return during("case.json", [&] {
+    try {
+      return case_from(json::parse(text), folder);
+    } catch (const json::exception& e) {
+      throw Error(Fault::Input, fmt::format("it cannot be used: {}", e.what()));
+    }
+  });
+}
+
+void save_case(const Case& patient) {
+  json j{{"format", "sanatrix-case"},
+         {"version", format_version},
+         {"pseudonym", patient.pseudonym},
+         {"label_preset", patient.label_preset},
+         {"inputs", json::object()},
+         {"parameters", patient.parameters.given()}};
+  for (const auto& [name, input] : patient.inputs) {
+    j["inputs"][name] = {{"file", input.file}, {"sha256", input.sha256}};
+  }
+  if (patient.focus) {
+    j["focus"] = to_json(*patient.focus);
+  }
+  write_text(patient.folder / "case.json", j.dump(2) + "\n");
+}
+
+void replace_plan(Case& patient, const fs::path& plan_file) {
+  check_plan(plan_file);
+  patient.inputs["plan"] = take_in(plan_file, patient.folder, "plan.json");
+  patient.parameters.reset("surgery.");
+}
+
+void follow_plan(Case& patient) {
+  if (patient.has_plan()) {
+    patient.focus = follow(patient.focus, patient.plan());
+  }
+}
+
+void check_inputs(const Case& patient) {
+  for (const auto& [name, input] : patient.inputs) {
+    const fs::path file = patient.folder / input.file;
+    require(fs::exists(file), "{}: this input of the case is missing", input.file);
+    if (sha256_of_file(file) != input.sha256) {
+      throw Error(Fault::Input, fmt::format("{}: it has changed since it was given", input.file),
+                  "make a new case from the changed file");
+    }
+  }
+}
+
+CaseLock::CaseLock(const fs::path& folder) {
+  const fs::path file = folder / ".lock";
+  file_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (file_ < 0) {
+    throw Error(Fault::Resource, fmt::format("the case folder cannot be written: {}",
+                                             std::strerror(errno)));
+  }
+  // A record lock: not inherited by child processes, gone when this process is gone.
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  if (::fcntl(file_, F_SETLK, &lock) != 0) {
+    ::fcntl(file_, F_GETLK, &lock);
+    ::close(file_);
+    throw Error(Fault::Resource,
+                fmt::format("the case is in use by process {}", static_cast<long>(lock.l_pid)),
+                "wait for it to end, or stop it; what it finished is kept");
+  }
+}
+
+CaseLock::~CaseLock() { ::close(file_); }
+
+}  // namespace sanatrix::pipeline

@@ -1,0 +1,101 @@
+// Lines on the skin: snapping to vertices and shortest paths along edges (Dijkstra).
+#include "surgery/incision.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <queue>
+
+namespace sanatrix::surgery {
+namespace {
+
+using Neighbours = std::vector<std::vector<int>>;
+
+Neighbours neighbours(const TriMesh& surface) {
+  Neighbours result(surface.points.size());
+  for (const auto& t : surface.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      result[t[i]].push_back(t[(i + 1) % 3]);
+      result[t[(i + 1) % 3]].push_back(t[i]);
+    }
+  }
+  return result;
+}
+
+int nearest_vertex(const TriMesh& surface, const Vec3& p) {
+  const auto nearer = [&p](const Vec3& a, const Vec3& b) {
+    return norm(a - p) < norm(b - p);
+  };
+  return static_cast<int>(std::ranges::min_element(surface.points, nearer) -
+                          surface.points.begin());
+}
+
+/// Vertices from `start` (exclusive) to `end`; empty when they are not connected.
+std::vector<int> shortest_path(const TriMesh& surface, const Neighbours& near, int start, int end) {
+  std::vector<double> length(near.size(), std::numeric_limits<double>::infinity());
+  std::vector<int> from(near.size(), -1);
+  using Item = std::pair<double, int>;
+  std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
+  length[start] = 0.0;
+  queue.emplace(0.0, start);
+  while (!queue.empty() && queue.top().second != end) {
+    const auto [so_far, at] = queue.top();
+    queue.pop();
+    for (const int next : near[at]) {
+      const double way = so_far + norm(surface.points[next] - surface.points[at]);
+      if (way < length[next]) {
+        length[next] = way;
+        from[next] = at;
+        queue.emplace(way, next);
+      }
+    }
+  }
+  std::vector<int> path;
+  for (int at = end; at != start && at >= 0; at = from[at]) {
+    path.push_back(at);
+  }
+  std::ranges::reverse(path);
+  return path;
+}
+
+}  // namespace
+
+std::vector<Vec3> default_incision(const Vec3& entry, const Vec3& axis_towards_skin,
+                                   double half_length) {
+  const Vec3 up{0, 0, 1};
+  const Vec3 across = cross(up, axis_towards_skin);
+  // An axis along z has no horizontal direction on the skin; left-right is as good as any.
+  const Vec3 along = norm(across) > 1e-3 ? normalised(across) : Vec3{1, 0, 0};
+  return {entry - half_length * along, entry, entry + half_length * along};
+}
+
+std::vector<int> path_on_skin(const Surface& skin, std::span<const Vec3> polyline) {
+  const Neighbours near = neighbours(skin.mesh);
+  constexpr double step = 2e-3;  // below the finest skin edges, so that the path follows the line
+  std::vector<int> path;
+  for (std::size_t i = 0; i < polyline.size(); ++i) {
+    const Vec3 from = i == 0 ? polyline[0] : polyline[i - 1];
+    const int pieces = std::max(1, static_cast<int>(norm(polyline[i] - from) / step));
+    for (int k = 1; k <= pieces; ++k) {
+      const Vec3 p = from + (static_cast<double>(k) / pieces) * (polyline[i] - from);
+      const int vertex = nearest_vertex(skin.mesh, p);
+      if (path.empty()) {
+        path.push_back(vertex);
+      } else if (vertex != path.back()) {
+        const auto way = shortest_path(skin.mesh, near, path.back(), vertex);
+        path.insert(path.end(), way.begin(), way.end());
+      }
+    }
+  }
+  // Going back to a vertex already passed is no part of a line: cut such loops out.
+  std::vector<int> line;
+  for (const int v : path) {
+    line.erase(std::ranges::find(line, v), line.end());
+    line.push_back(v);
+  }
+  for (int& v : line) {
+    v = skin.vertex[v];
+  }
+  return line;
+}
+
+}  // namespace sanatrix::surgery

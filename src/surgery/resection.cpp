@@ -1,0 +1,213 @@
+// The excised volume as an implicit function: placement of the axis, the shape, its one piece.
+#include <algorithm>
+#include <limits>
+
+#include "core/error.hpp"
+#include "surgery/plan.hpp"
+
+namespace sanatrix::surgery {
+namespace {
+
+constexpr double mm = 1e-3;
+/// Radius of the rounding between side and caps: what a scalpel leaves, and large against the
+/// 3 mm elements that have to carry it.
+constexpr double usual_blend = 4.0 * mm;
+/// Chest faces are averaged with a Gaussian of this width: wider than a rib, narrower than a
+/// breast.
+constexpr double normal_smoothing = 20.0 * mm;
+/// The rounded maximum of three distances changes at most sqrt(3) per metre.
+constexpr double steepest = 1.7320508;
+constexpr double finest_cell_edge = 1.0 * mm;
+
+std::string in_mm(const Vec3& p) {
+  return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p[0] / mm, p[1] / mm, p[2] / mm);
+}
+
+TriMesh boundary(const TetMesh& mesh, std::span<const Vec3> points, const std::string& name) {
+  TriMesh surface = extract_surface(mesh, points, {name}).mesh;
+  require(!surface.triangles.empty(), "surgery: the model has no boundary named \"{}\"", name);
+  return surface;
+}
+
+/// Unit direction into the body: chest faces around `foot`, whose outward normals point backwards.
+Vec3 smoothed_chest_normal(const TriMesh& chest, const Vec3& foot) {
+  Vec3 sum{};
+  for (const auto& [i, j, k] : chest.triangles) {
+    const Vec3 &a = chest.points[i], &b = chest.points[j], &c = chest.points[k];
+    const double d = norm((1.0 / 3.0) * (a + b + c) - foot) / normal_smoothing;
+    sum += std::exp(-d * d) * cross(c - a, b - a);  // its length is the area's double
+  }
+  require(norm(sum) > 0.0, "surgery: no chest wall within reach of {}", in_mm(foot));
+  return normalised(sum);
+}
+
+/// Smallest t > 0 with origin + t direction on the surface (Moller and Trumbore 1997,
+/// doi:10.1080/10867651.1997.10487468).
+std::optional<double> first_hit(const TriMesh& surface, const Vec3& origin, const Vec3& direction) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const auto& [i, j, k] : surface.triangles) {
+    const Vec3 u = surface.points[j] - surface.points[i], v = surface.points[k] - surface.points[i];
+    const Vec3 s = origin - surface.points[i], h = cross(direction, v), q = cross(s, u);
+    const double det = dot(u, h);
+    const double a = dot(s, h) / det, b = dot(direction, q) / det, t = dot(v, q) / det;
+    // A hair beyond the edges, so that no ray slips between two triangles.
+    constexpr double slack = 1e-9;
+    if (a >= -slack && b >= -slack && a + b <= 1.0 + slack && t > 0.0) {
+      best = std::min(best, t);
+    }
+  }
+  return std::isfinite(best) ? std::optional(best) : std::nullopt;
+}
+
+/// Share of a tetrahedron below zero of the linear function with these corner values.
+double share_below_zero(std::array<double, 4> f) {
+  std::ranges::sort(f);
+  if (f[3] <= 0.0) {
+    return 1.0;
+  }
+  if (f[0] >= 0.0) {
+    return 0.0;
+  }
+  const auto corner = [&f](int at, int x, int y, int z) {
+    return f[at] / (f[at] - f[x]) * f[at] / (f[at] - f[y]) * f[at] / (f[at] - f[z]);
+  };
+  if (f[1] >= 0.0) {
+    return corner(0, 1, 2, 3);
+  }
+  if (f[2] < 0.0) {
+    return 1.0 - corner(3, 0, 1, 2);
+  }
+  // Two and two: the wedge at corners 0 and 1, as three tetrahedra.
+  const double s02 = f[0] / (f[0] - f[2]), s03 = f[0] / (f[0] - f[3]);
+  const double s12 = f[1] / (f[1] - f[2]), s13 = f[1] / (f[1] - f[3]);
+  return s02 * s03 + s12 * s13 * (1.0 - s02) + s02 * s13 * (1.0 - s03);
+}
+
+}  // namespace
+
+Resection::Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
+                     double midline_x_m)
+    : skin_tree_(boundary(mesh, points, "skin")),
+      chest_tree_(boundary(mesh, points, "chest")),
+      body_(mesh, points),
+      centre_(plan.tumour_centre),
+      radius_(plan.radius.value_or(plan.tumour_radius + plan.margin)),
+      clearance_(plan.clearance) {
+  require((centre_[0] > midline_x_m) == (plan.side == Side::Left),
+          "surgery: operated_side is {} but the tumour at x = {:.1f} mm lies on the other side of "
+          "the model's midline at {:.1f} mm",
+          plan.side == Side::Left ? "L" : "R", centre_[0] / mm, midline_x_m / mm);
+  if (!body_.locate(centre_)) {
+    throw Error(Fault::Input,
+                "surgery: the tumour centre " + in_mm(centre_) + " is outside the breast model",
+                "check tumour.centre_lps_mm (LPS millimetres) and the plan's frame");
+  }
+  place_axis(plan, boundary(mesh, points, "skin"), boundary(mesh, points, "chest"));
+  const double room = norm(skin_ - chest_) - 2.0 * clearance_;
+  require(room > 0.0,
+          "surgery: skin and chest wall are {:.1f} mm apart at the tumour, nothing is left between "
+          "the two clearances of {:.1f} mm; reduce clearance_mm",
+          norm(skin_ - chest_) / mm, clearance_ / mm);
+  blend_ = std::min({usual_blend, 0.4 * radius_, 0.4 * room});
+  fill_piece();
+}
+
+void Resection::place_axis(const Plan& plan, const TriMesh& skin, const TriMesh& chest) {
+  const Vec3 foot = chest_tree_.closest(centre_).point;
+  axis_ = plan.axis ? normalised(*plan.axis) : smoothed_chest_normal(chest, foot);
+  const auto up = first_hit(skin, centre_, axis_);
+  if (!up) {
+    throw Error(
+        Fault::Input,
+        "surgery: the axis from the tumour at " + in_mm(centre_) + " does not meet the skin",
+        "check resection.axis_towards_skin_lps, or leave it out for the chest-wall normal");
+  }
+  skin_ = centre_ + *up * axis_;
+  const auto down = first_hit(chest, centre_, -1.0 * axis_);
+  require(down || dot(centre_ - foot, axis_) > 0.0,
+          "surgery: resection.axis_towards_skin_lps points to the chest wall, not to the skin");
+  // Beside the meshed chest wall (near a clip plane) the foot of the tumour stands in for it.
+  chest_ = down ? centre_ - *down * axis_ : foot;
+}
+
+double Resection::lateral(const Vec3& p) const {
+  return norm(cross(p - centre_, axis_)) - radius_;
+}
+
+Resection::Caps Resection::caps_near(const Vec3& p, double reach) const {
+  const double far = clearance_ + blend_ + reach;
+  return {skin_tree_.closest(p).distance < far, chest_tree_.closest(p).distance < far};
+}
+
+// Intersection of three half-spaces given by distances, with circular edges of radius `blend_`
+// inside them: never beyond any of the three, and equal to each where the others are far.
+double Resection::shape(const Vec3& p, Caps caps) const {
+  const double none = -std::numeric_limits<double>::infinity();
+  const std::array<double, 3> f{lateral(p),
+                                caps.skin ? clearance_ - skin_tree_.closest(p).distance : none,
+                                caps.chest ? clearance_ - chest_tree_.closest(p).distance : none};
+  double squares = 0.0;
+  for (const double x : f) {
+    const double over = std::max(x + blend_, 0.0);
+    squares += over * over;
+  }
+  return std::min(*std::ranges::max_element(f), -blend_) + std::sqrt(squares);
+}
+
+double Resection::value(const Vec3& p, Caps caps) const {
+  const double f = shape(p, caps);
+  return f >= 0.0 || in_piece(p) ? f : -f;
+}
+
+double Resection::signed_distance(const Vec3& p) const {
+  return value(p, {true, true});
+}
+
+double Resection::cut_share(const std::array<Vec3, 4>& t, Caps caps) const {
+  const Vec3 middle = 0.25 * (t[0] + t[1] + t[2] + t[3]);
+  double reach = 0.0, edge = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    reach = std::max(reach, norm(t[i] - middle));
+    for (std::size_t j = 0; j < i; ++j) {
+      edge = std::max(edge, norm(t[i] - t[j]));
+    }
+  }
+  const double f = value(middle, caps);
+  if (std::abs(f) > steepest * reach) {
+    return f < 0.0 ? 1.0 : 0.0;
+  }
+  if (edge <= finest_cell_edge) {
+    return share_below_zero(
+        {value(t[0], caps), value(t[1], caps), value(t[2], caps), value(t[3], caps)});
+  }
+  const auto half = [&t](std::size_t i, std::size_t j) {
+    return 0.5 * (t[i] + t[j]);
+  };
+  const Vec3 a = half(0, 1), b = half(0, 2), c = half(0, 3), d = half(1, 2), e = half(1, 3),
+             g = half(2, 3);
+  // Eight children of equal volume: four corners and the octahedron cut along its diagonal b-e.
+  const std::array<std::array<Vec3, 4>, 8> children{{{t[0], a, b, c},
+                                                     {t[1], a, d, e},
+                                                     {t[2], b, d, g},
+                                                     {t[3], c, e, g},
+                                                     {b, e, a, c},
+                                                     {b, e, c, g},
+                                                     {b, e, g, d},
+                                                     {b, e, d, a}}};
+  double sum = 0.0;
+  for (const auto& child : children) {
+    sum += cut_share(child, caps);
+  }
+  return sum / 8.0;
+}
+
+double Resection::volume_fraction(const std::array<Vec3, 4>& corners) const {
+  const Vec3 middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+  double reach = 0.0;
+  for (const Vec3& p : corners) {
+    reach = std::max(reach, norm(p - middle));
+  }
+  return lateral(middle) > reach ? 0.0 : cut_share(corners, caps_near(middle, reach));
+}
+
+}  // namespace sanatrix::surgery
