@@ -10,6 +10,7 @@ Session::Session() {
   // One process may run without mpirun; root is allowed because containers run as root.
   ensure(PetscInitializeNoArguments() == 0, "PETSc did not start");
   PetscPopSignalHandler();  // Ctrl-C and crashes are handled by the command
+  PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);  // codes become Error, not pages of text
 }
 
 Session::~Session() { PetscFinalize(); }

@@ -101,6 +101,7 @@ void SparseSystem::Impl::make_patterns(const Layout& layout, const ElementList& 
                                columns.data()),
         "laying out the matrix");
   check(VecCreateMPI(PETSC_COMM_WORLD, own, layout.dofs, &sum), "creating the residual");
+  check(VecSetOption(sum, VEC_IGNORE_NEGATIVE_INDICES, PETSC_TRUE), "ignoring fixed unknowns");
   std::vector<PetscInt> entries(elements.dofs.begin(), elements.dofs.end());
   check(VecSetPreallocationCOO(sum, static_cast<PetscCount>(entries.size()), entries.data()),
         "laying out the residual");

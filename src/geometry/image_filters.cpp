@@ -110,8 +110,8 @@ Image3<float> signed_distance(const Mask& mask, std::array<bool, 3> along, doubl
   const auto limit = static_cast<float>(limit_mm);
   Image3<float> distance = image_like<float>(mask);
   for (std::size_t i = 0; i < distance.voxels.size(); ++i) {
-    const float d = mask.voxels[i] != 0 ? half - std::sqrt(to_outside[i])
-                                        : std::sqrt(to_inside[i]) - half;
+    const float d =
+        mask.voxels[i] != 0 ? half - std::sqrt(to_outside[i]) : std::sqrt(to_inside[i]) - half;
     distance.voxels[i] = std::clamp(d, -limit, limit);
   }
   return distance;

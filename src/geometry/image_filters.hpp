@@ -44,8 +44,7 @@ Neighbourhood neighbourhood(const Image3<T>& image, const Vec3& continuous_index
     const bool x = (corner & 1U) != 0;
     const bool y = (corner & 2U) != 0;
     const bool z = (corner & 4U) != 0;
-    n.voxel[corner] =
-        image.index(x ? high[0] : low[0], y ? high[1] : low[1], z ? high[2] : low[2]);
+    n.voxel[corner] = image.index(x ? high[0] : low[0], y ? high[1] : low[1], z ? high[2] : low[2]);
     n.weight[corner] = (x ? t[0] : 1 - t[0]) * (y ? t[1] : 1 - t[1]) * (z ? t[2] : 1 - t[2]);
   }
   return n;

@@ -1,5 +1,7 @@
 #include "healing/five_species.hpp"
 
+#include <cmath>
+
 #include "core/error.hpp"
 #include "healing/jet.hpp"
 
@@ -31,7 +33,7 @@ FiveSpecies FiveSpecies::from(Values& v) {
       .d_mu = v.number("D_mu", 0.0),
       .k = v.positive("k"),
       .chi = v.positive("chi"),
-      .h2 = v.number("h2", 0.5, 1.0),  // below 1/2 a wound cannot start to heal
+      .h2 = v.number("h2", std::nextafter(0.5, 1.0), 1.0),  // at 1/2 no wound can start to heal
       .h0 = v.number("h0", 1.0),
       .l = v.positive("l"),
       .beta_v0 = v.number("beta_v0", 0.0),

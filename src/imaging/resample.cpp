@@ -25,8 +25,8 @@ TissueGrid merge_fine_voxels(const LabelImage& source, const LabelTable& table, 
     labels.size[a] = source.size[a] / block[a];
     labels.spacing_mm[a] = source.spacing_mm[a] * block[a];
   }
-  labels.origin_mm = source.position_mm(0.5 * (block[0] - 1), 0.5 * (block[1] - 1),
-                                        0.5 * (block[2] - 1));
+  labels.origin_mm =
+      source.position_mm(0.5 * (block[0] - 1), 0.5 * (block[1] - 1), 0.5 * (block[2] - 1));
   labels.voxels.resize(static_cast<std::size_t>(labels.size[0]) *
                        static_cast<std::size_t>(labels.size[1]) *
                        static_cast<std::size_t>(labels.size[2]));

@@ -19,10 +19,10 @@ enum class LabelPreset {
 LabelPreset parse_label_preset(const std::string& name);
 
 struct Segmentation {
-  LabelImage labels;                 ///< isotropic, direction = identity (LPS)
-  Image3<float> fibroglandular;      ///< volume fraction per voxel of the same grid, 0..1
-  double midline_x_mm = 0.0;         ///< LPS x of the mid-sagittal plane
-  std::array<Vec3, 2> nipple_mm{};   ///< [0] right, [1] left: nipple label, else most anterior skin
+  LabelImage labels;                ///< isotropic, direction = identity (LPS)
+  Image3<float> fibroglandular;     ///< volume fraction per voxel of the same grid, 0..1
+  double midline_x_mm = 0.0;        ///< LPS x of the mid-sagittal plane
+  std::array<Vec3, 2> nipple_mm{};  ///< [0] right, [1] left: nipple label, else most anterior skin
   bool nipples_from_label = false;
   std::vector<std::string> warnings;
 };

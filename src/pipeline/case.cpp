@@ -44,8 +44,7 @@ InputFile take_in(const fs::path& from, const fs::path& folder, const std::strin
                                                problem.message()),
                   "check the free space and the permissions of the case folder");
     }
-    fs::permissions(aside, fs::perms::owner_read | fs::perms::owner_write |
-                               fs::perms::group_read | fs::perms::others_read);
+    fs::permissions(aside, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
   });
   return input;
 }
@@ -131,7 +130,7 @@ Case create_case(const fs::path& folder, const NewCase& given) {
   }
   const fs::path place = fs::absolute(folder).lexically_normal();
   const fs::path final = place.filename().empty() ? place.parent_path() : place;
-  const fs::path aside = final.parent_path() / ("." + final.filename().string() + ".new");
+  const fs::path aside = final.parent_path() / fmt::format(".{}.new", final.filename().string());
   std::error_code problem;
   fs::remove_all(aside, problem);
   fs::create_directories(aside / "inputs", problem);
@@ -149,7 +148,7 @@ Case create_case(const fs::path& folder, const NewCase& given) {
   if (given.plan) {
     replace_plan(patient, *given.plan);
   }
-  patient.pseudonym = "case-" + patient.inputs["labels"].sha256.substr(0, 8);
+  patient.pseudonym = fmt::format("case-{:.8}", patient.inputs["labels"].sha256);
   save_case(patient);
   fs::remove(final, problem);  // the empty folder, if there was one
   fs::rename(aside, final);
@@ -193,7 +192,9 @@ void save_case(const Case& patient) {
 
 void replace_plan(Case& patient, const fs::path& plan_file) {
   check_plan(plan_file);
-  patient.inputs["plan"] = take_in(plan_file, patient.folder, "plan.json");
+  // Named by content: a kill before case.json is saved leaves the old plan in force.
+  const std::string name = fmt::format("plan-{:.8}.json", sha256_of_file(plan_file));
+  patient.inputs["plan"] = take_in(plan_file, patient.folder, name);
   patient.parameters.reset("surgery.");
 }
 

@@ -29,39 +29,39 @@ std::string Recipe::fingerprint() const {
 
 Recipe recipe(const Case& patient, Stage stage) {
   const StageInfo& about = info(stage);
-  Recipe recipe;
-  recipe.entries["stage"] = about.name;
-  recipe.entries["code version"] = std::to_string(about.version);
+  Recipe made;
+  made.entries["stage"] = about.name;
+  made.entries["code version"] = std::to_string(about.version);
   for (const ParameterInfo& parameter : parameter_table()) {
     const bool used = std::ranges::any_of(about.prefixes, [&](const std::string& prefix) {
       return parameter.key.starts_with(prefix);
     });
     if (used) {
-      recipe.entries["parameter " + parameter.key] = patient.parameters.text(parameter.key);
+      made.entries["parameter " + parameter.key] = patient.parameters.text(parameter.key);
     }
   }
   for (const Stage upstream : about.upstream) {
     // Without a plan the upright pose before surgery is all there is.
     if (upstream != Stage::Heal || patient.has_plan() || stage != Stage::Upright) {
-      recipe.entries["stage " + info(upstream).name] = pipeline::recipe(patient, upstream).fingerprint();
+      made.entries["stage " + info(upstream).name] = recipe(patient, upstream).fingerprint();
     }
   }
   const auto add_input = [&](const std::string& name) {
     if (const auto input = patient.inputs.find(name); input != patient.inputs.end()) {
-      recipe.entries["input " + name] = input->second.sha256;
+      made.entries["input " + name] = input->second.sha256;
     }
   };
   if (stage == Stage::Image) {
     add_input("labels");
     add_input("image");
   } else if (stage == Stage::Segment) {
-    recipe.entries["label preset"] = patient.label_preset;
+    made.entries["label preset"] = patient.label_preset;
   } else if (stage == Stage::Mesh && patient.focus) {
-    recipe.entries["focus"] = describe(*patient.focus);
+    made.entries["focus"] = describe(*patient.focus);
   } else if (stage == Stage::Surgery) {
     add_input("plan");
   }
-  return recipe;
+  return made;
 }
 
 std::string difference(const Recipe& old, const Recipe& now) {

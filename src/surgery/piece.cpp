@@ -18,16 +18,55 @@ constexpr float outside = -1.0F;  // a sample that was looked at and is not remo
 
 }  // namespace
 
-std::size_t Resection::Grid::index(int i, int j, int k) const {
+bool Resection::Grid::holds(const std::array<int, 3>& at) const {
+  return std::abs(at[0]) <= half_width && std::abs(at[1]) <= half_width &&
+         std::abs(at[2]) <= half_length;
+}
+
+std::size_t Resection::Grid::index(const std::array<int, 3>& at) const {
   const auto width = static_cast<std::size_t>(2 * half_width + 1);
-  return (static_cast<std::size_t>(k + half_length) * width +
-          static_cast<std::size_t>(j + half_width)) *
+  return (static_cast<std::size_t>(at[2] + half_length) * width +
+          static_cast<std::size_t>(at[1] + half_width)) *
              width +
-         static_cast<std::size_t>(i + half_width);
+         static_cast<std::size_t>(at[0] + half_width);
 }
 
 Vec3 Resection::sample_point(double i, double j, double k) const {
   return centre_ + grid_.step * (i * grid_.e1 + j * grid_.e2 + k * axis_);
+}
+
+std::array<double, 3> Resection::grid_position(const Vec3& p) const {
+  const Vec3 r = (1.0 / grid_.step) * (p - centre_);
+  return {dot(r, grid_.e1), dot(r, grid_.e2), dot(r, axis_)};
+}
+
+/// The neighbour's distances less one step are lower bounds here; only where they are too small to
+/// exclude a cap are they measured. That saves most closest-point searches.
+Resection::Sample Resection::sample(const std::array<int, 3>& at, const Sample& neighbour) {
+  const Vec3 p = sample_point(at[0], at[1], at[2]);
+  Sample result{outside, neighbour.skin - static_cast<float>(grid_.step),
+                neighbour.chest - static_cast<float>(grid_.step)};
+  if (lateral(p) >= 0.0) {
+    return result;
+  }
+  const double far = clearance_ + blend_ + 3.0 * grid_.step;  // 3: reach of a grid cell and slack
+  if (result.skin < far) {
+    result.skin = static_cast<float>(skin_tree_.closest(p).distance);
+  }
+  if (result.chest < far) {
+    result.chest = static_cast<float>(chest_tree_.closest(p).distance);
+  }
+  const double f = shape(p, {result.skin < far, result.chest < far});
+  if (f >= 0.0) {
+    return result;
+  }
+  if (!body_.locate(p)) {
+    meets_clip_planes_ = true;
+    return result;
+  }
+  result.depth = std::min({static_cast<float>(-f), result.skin - static_cast<float>(clearance_),
+                           result.chest - static_cast<float>(clearance_)});
+  return result;
 }
 
 /// Flood fill from the sample on the axis that is inside and nearest to the tumour's centre.
@@ -40,29 +79,20 @@ void Resection::fill_piece() {
   grid_.e2 = cross(axis_, grid_.e1);
   grid_.half_width = static_cast<int>(std::ceil(radius_ / grid_.step)) + 1;
   grid_.half_length = static_cast<int>(longest / grid_.step);
-  grid_.depth.assign(grid_.index(grid_.half_width, grid_.half_width, grid_.half_length) + 1, 0.0F);
+  grid_.samples.resize(grid_.index({grid_.half_width, grid_.half_width, grid_.half_length}) + 1);
 
-  const auto inside = [this](int i, int j, int k) {
-    const Vec3 p = sample_point(i, j, k);
-    const double f = shape(p, {true, true});
-    if (f >= 0.0) {
-      return outside;
+  std::deque<std::array<int, 3>> queue;
+  const auto visit = [&queue, this](const std::array<int, 3>& at, const Sample& neighbour) {
+    Sample& here = grid_.samples[grid_.index(at)];
+    if (here.depth == 0.0F && (here = sample(at, neighbour)).depth > 0.0F) {
+      queue.push_back(at);
     }
-    if (!body_.locate(p)) {
-      meets_clip_planes_ = true;
-      return outside;
-    }
-    return static_cast<float>(-f);
   };
   const int reach = static_cast<int>(radius_ / grid_.step);
-  std::deque<std::array<int, 3>> queue;
   for (int k = 0; k <= reach && queue.empty(); ++k) {
-    for (const int sign : {1, -1}) {
-      const float depth = inside(0, 0, sign * k);
-      if (depth > 0.0F && queue.empty()) {
-        grid_.depth[grid_.index(0, 0, sign * k)] = depth;
-        queue.push_back({0, 0, sign * k});
-      }
+    visit({0, 0, k}, {});
+    if (queue.empty()) {
+      visit({0, 0, -k}, {});
     }
   }
   require(!queue.empty(),
@@ -73,17 +103,13 @@ void Resection::fill_piece() {
   while (!queue.empty()) {
     const auto at = queue.front();
     queue.pop_front();
+    const Sample here = grid_.samples[grid_.index(at)];
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (const int sign : {1, -1}) {
         auto next = at;
         next[axis] += sign;
-        const int limit = axis == 2 ? grid_.half_length : grid_.half_width;
-        if (std::abs(next[axis]) >= limit) {
-          continue;
-        }
-        float& depth = grid_.depth[grid_.index(next[0], next[1], next[2])];
-        if (depth == 0.0F && (depth = inside(next[0], next[1], next[2])) > 0.0F) {
-          queue.push_back(next);
+        if (grid_.holds(next)) {
+          visit(next, here);
         }
       }
     }
@@ -92,19 +118,14 @@ void Resection::fill_piece() {
 
 /// A point of the shape belongs to the piece when a corner of its grid cell does.
 bool Resection::in_piece(const Vec3& p) const {
-  const Vec3 r = (1.0 / grid_.step) * (p - centre_);
-  const std::array<int, 3> low{static_cast<int>(std::floor(dot(r, grid_.e1))),
-                               static_cast<int>(std::floor(dot(r, grid_.e2))),
-                               static_cast<int>(std::floor(dot(r, axis_)))};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int limit = axis == 2 ? grid_.half_length : grid_.half_width;
-    if (low[axis] < -limit || low[axis] + 1 > limit) {
-      return false;
-    }
-  }
+  std::array<int, 3> low{};
+  const auto position = grid_position(p);
+  std::ranges::transform(position, low.begin(),
+                         [](double x) { return static_cast<int>(std::floor(x)); });
   for (int corner = 0; corner < 8; ++corner) {
-    if (grid_.depth[grid_.index(low[0] + (corner & 1), low[1] + (corner >> 1 & 1),
-                                low[2] + (corner >> 2))] > 0.0F) {
+    const std::array<int, 3> at{low[0] + (corner & 1), low[1] + (corner >> 1 & 1),
+                                low[2] + (corner >> 2)};
+    if (grid_.holds(at) && grid_.samples[grid_.index(at)].depth > 0.0F) {
       return true;
     }
   }
@@ -129,8 +150,10 @@ void Resection::measure_cell(const std::array<int, 3>& low, Measure& sum) const 
   const double h = grid_.step, diagonal = std::sqrt(3.0) * h, small = h / parts;
   float shallowest = std::numeric_limits<float>::infinity(), deepest = outside;
   for (int corner = 0; corner < 8; ++corner) {
-    const float depth = grid_.depth[grid_.index(low[0] + (corner & 1), low[1] + (corner >> 1 & 1),
-                                                low[2] + (corner >> 2))];
+    const float depth = grid_
+                            .samples[grid_.index({low[0] + (corner & 1), low[1] + (corner >> 1 & 1),
+                                                  low[2] + (corner >> 2)})]
+                            .depth;
     shallowest = std::min(shallowest, depth);
     deepest = std::max(deepest, depth);
   }

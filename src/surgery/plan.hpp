@@ -79,14 +79,21 @@ class Resection {
   void fill_piece();
   void measure_cell(const std::array<int, 3>& low, Measure& sum) const;
 
-  /// Samples of the piece around the tumour on a grid along the axis; value 0 elsewhere.
+  /// Samples of the piece around the tumour on a grid along the axis.
+  struct Sample {
+    float depth = 0.0F;               ///< below the surface [m]; negative or 0: not in the piece
+    float skin = 0.0F, chest = 0.0F;  ///< lower bounds of the distances to both [m]
+  };
   struct Grid {
     Vec3 e1{}, e2{};
     double step = 0.0;
     int half_width = 0, half_length = 0;
-    std::vector<float> depth;  ///< distance below the surface [m]
-    [[nodiscard]] std::size_t index(int i, int j, int k) const;
+    std::vector<Sample> samples;
+    [[nodiscard]] bool holds(const std::array<int, 3>& at) const;
+    [[nodiscard]] std::size_t index(const std::array<int, 3>& at) const;
   };
+  [[nodiscard]] std::array<double, 3> grid_position(const Vec3& p) const;
+  [[nodiscard]] Sample sample(const std::array<int, 3>& at, const Sample& neighbour);
   [[nodiscard]] Vec3 sample_point(double i, double j, double k) const;
   [[nodiscard]] bool in_piece(const Vec3& p) const;
 

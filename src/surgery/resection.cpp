@@ -136,7 +136,19 @@ double Resection::lateral(const Vec3& p) const {
 
 Resection::Caps Resection::caps_near(const Vec3& p, double reach) const {
   const double far = clearance_ + blend_ + reach;
-  return {skin_tree_.closest(p).distance < far, chest_tree_.closest(p).distance < far};
+  std::array<int, 3> at{};
+  const auto position = grid_position(p);
+  std::ranges::transform(position, at.begin(),
+                         [](double x) { return static_cast<int>(std::lround(x)); });
+  double skin = 0.0, chest = 0.0;
+  if (grid_.holds(at) && grid_.samples[grid_.index(at)].depth > 0.0F) {
+    const Sample& near = grid_.samples[grid_.index(at)];
+    const double way = norm(p - sample_point(at[0], at[1], at[2]));
+    skin = near.skin - way;
+    chest = near.chest - way;
+  }
+  return {skin < far && skin_tree_.closest(p).distance < far,
+          chest < far && chest_tree_.closest(p).distance < far};
 }
 
 // Intersection of three half-spaces given by distances, with circular edges of radius `blend_`
@@ -160,7 +172,7 @@ double Resection::value(const Vec3& p, Caps caps) const {
 }
 
 double Resection::signed_distance(const Vec3& p) const {
-  return value(p, {true, true});
+  return value(p, caps_near(p, 0.0));
 }
 
 double Resection::cut_share(const std::array<Vec3, 4>& t, Caps caps) const {

@@ -1,0 +1,75 @@
+#include "pipeline/body.hpp"
+
+namespace sanatrix::pipeline {
+namespace {
+
+constexpr std::uint8_t fixed_xyz = 7, fixed_z = 4;
+
+/// A given parameter replaces the preset's value; scale brings its unit to SI.
+void replace(double& value, const Parameters& parameters, const std::string& key,
+             double scale = 1.0) {
+  if (parameters.has(key)) {
+    value = scale * parameters.number(key);
+  }
+}
+
+void replace_tissue(mechanics::Tissue& tissue, const Parameters& p, const std::string& prefix) {
+  replace(tissue.c1, p, prefix + "_c1_pa");
+  replace(tissue.c2, p, prefix + "_c2_pa");
+  replace(tissue.kappa, p, prefix + "_kappa_pa");
+  replace(tissue.density, p, prefix + "_density_kg_m3");
+}
+
+void fix(mechanics::Body& body, const std::string& boundary, std::uint8_t directions) {
+  for (const int vertex : vertices_on(*body.mesh, boundary)) {
+    body.fixed[static_cast<std::size_t>(vertex)] |= directions;
+  }
+}
+
+}  // namespace
+
+mechanics::TissuePreset tissue_values(const Parameters& p) {
+  mechanics::TissuePreset preset = mechanics::tissue_preset(p.text("tissue.preset"));
+  replace_tissue(preset.adipose, p, "tissue.adipose");
+  replace_tissue(preset.fibroglandular, p, "tissue.fibroglandular");
+  replace(preset.skin.thickness, p, "skin.thickness_mm", 1e-3);
+  replace(preset.skin.alpha, p, "skin.alpha_pa");
+  replace(preset.skin.beta, p, "skin.beta");
+  replace(preset.skin.c2, p, "skin.c2_pa");
+  replace(preset.skin.density, p, "skin.density_kg_m3");
+  preset.skin.tension_field = p.text("skin.tension_field") == "yes";
+  return preset;
+}
+
+mechanics::Body make_body(const meshing::BreastModel& model, const Parameters& parameters) {
+  const mechanics::TissuePreset values = tissue_values(parameters);
+  mechanics::Body body;
+  body.mesh = &model.mesh;
+  body.element = parameters.text("solver.element") == "p2p1" ? mechanics::Element::P2P1
+                                                             : mechanics::Element::P1P1;
+  for (const double fraction : model.fibroglandular) {
+    body.tissue.push_back(mechanics::mix(values.adipose, values.fibroglandular, fraction));
+  }
+  if (parameters.text("skin.enabled") == "yes") {
+    const int skin = boundary_index(model.mesh, "skin");
+    for (const BoundaryFace& face : model.mesh.faces) {
+      if (face.name == skin) {
+        body.skin_faces.push_back({face.vertex, 0});
+      }
+    }
+    body.skins = {values.skin};
+  }
+  body.fixed.assign(model.mesh.points.size(), 0);
+  fix(body, "chest", fixed_xyz);
+  fix(body, "superior", fixed_z);
+  fix(body, "inferior", fixed_z);
+  return body;
+}
+
+mechanics::SolveOptions solve_options(const Parameters& parameters) {
+  mechanics::SolveOptions options;
+  options.relative_tolerance = parameters.number("solver.relative_tolerance");
+  return options;
+}
+
+}  // namespace sanatrix::pipeline

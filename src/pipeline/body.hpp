@@ -1,0 +1,22 @@
+// The patient as a mechanical body: tissue, skin and supports (Fig 3 of doi:10.1371/journal.pone.0159766).
+#pragma once
+
+#include "mechanics/problem.hpp"
+#include "meshing/breast_mesh.hpp"
+#include "pipeline/parameters.hpp"
+
+namespace sanatrix::pipeline {
+
+inline constexpr double standard_gravity = 9.81;  ///< [m/s2]
+inline constexpr Vec3 gravity_prone{0, -standard_gravity, 0};
+inline constexpr Vec3 gravity_supine{0, standard_gravity, 0};
+inline constexpr Vec3 gravity_upright{0, 0, -standard_gravity};
+
+/// The tissue preset with the values given for this case.
+mechanics::TissuePreset tissue_values(const Parameters& parameters);
+/// Chest fixed, superior and inferior cuts held along the axis, all else free; membrane on the skin.
+/// `model` must outlive the body.
+mechanics::Body make_body(const meshing::BreastModel& model, const Parameters& parameters);
+mechanics::SolveOptions solve_options(const Parameters& parameters);
+
+}  // namespace sanatrix::pipeline

@@ -1,0 +1,19 @@
+// The stages as functions: inputs and parameters in, files out. One .cpp each; the runner knows
+// nothing else about them.
+#pragma once
+
+#include "pipeline/runner.hpp"
+
+namespace sanatrix::pipeline {
+
+StageNotes run_image(const StageInput& in);
+StageNotes run_segment(const StageInput& in);
+StageNotes run_mesh(const StageInput& in);
+StageNotes run_unload(const StageInput& in);
+StageNotes run_supine(const StageInput& in);
+StageNotes run_surgery(const StageInput& in);
+StageNotes run_heal(const StageInput& in);
+StageNotes run_upright(const StageInput& in);
+StageNotes run_outcome(const StageInput& in);
+
+}  // namespace sanatrix::pipeline
