@@ -23,7 +23,7 @@ add_library(Cgal INTERFACE)
 target_link_libraries(Cgal INTERFACE CGAL::CGAL Eigen3::Eigen)
 
 find_package(ITK REQUIRED COMPONENTS
-  ITKCommon ITKIOImageBase ITKIONIFTI ITKIONRRD ITKIOMeta ITKSmoothing ITKDistanceMap
+  ITKCommon ITKIOImageBase ITKIONIFTI ITKIONRRD ITKIOMeta ITKZLIB ITKSmoothing ITKDistanceMap
   ITKImageGrid ITKLabelMap ITKMathematicalMorphology ITKConnectedComponents ITKThresholding)
 add_library(Itk INTERFACE)
 target_include_directories(Itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})

@@ -24,8 +24,8 @@ void bisect(std::span<const Vec3> positions, std::span<int> nodes) {
     }
   }
   const Vec3 extent = high - low;
-  const auto axis = static_cast<std::size_t>(std::max_element(extent.begin(), extent.end()) -
-                                             extent.begin());
+  const auto axis =
+      static_cast<std::size_t>(std::max_element(extent.begin(), extent.end()) - extent.begin());
   const auto middle = static_cast<std::ptrdiff_t>(nodes.size() / 2);
   std::nth_element(nodes.begin(), nodes.begin() + middle, nodes.end(), [&](int a, int b) {
     const double pa = positions[static_cast<std::size_t>(a)][axis];
@@ -60,8 +60,8 @@ EdgeTable make_edges(std::span<const std::array<int, 4>> cells) {
   for (std::size_t c = 0; c < cells.size(); ++c) {
     for (std::size_t e = 0; e < 6; ++e) {
       const auto& [i, j] = EdgeTable::local[e];
-      table.cell_edges[c][e] = table.find(cells[c][static_cast<std::size_t>(i)],
-                                          cells[c][static_cast<std::size_t>(j)]);
+      table.cell_edges[c][e] =
+          table.find(cells[c][static_cast<std::size_t>(i)], cells[c][static_cast<std::size_t>(j)]);
     }
   }
   return table;

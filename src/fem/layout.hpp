@@ -23,9 +23,9 @@ EdgeTable make_edges(std::span<const std::array<int, 4>> cells);
 /// Numbering of unknowns: nodes are ordered along a recursive bisection of space, so that every
 /// rank owns one contiguous, compact range and neighbours stay close in memory.
 struct Layout {
-  std::vector<int> first_dof;   ///< per node: its first unknown; the others follow
-  std::vector<int> node_dofs;   ///< per node: number of unknowns
-  int dofs = 0;                 ///< in all
+  std::vector<int> first_dof;      ///< per node: its first unknown; the others follow
+  std::vector<int> node_dofs;      ///< per node: number of unknowns
+  int dofs = 0;                    ///< in all
   int own_begin = 0, own_end = 0;  ///< range of this rank
   [[nodiscard]] bool owns(int dof) const { return dof >= own_begin && dof < own_end; }
 };

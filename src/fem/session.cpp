@@ -13,7 +13,9 @@ Session::Session() {
   PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);  // codes become Error, not pages of text
 }
 
-Session::~Session() { PetscFinalize(); }
+Session::~Session() {
+  PetscFinalize();
+}
 
 int rank() {
   int r = 0;

@@ -1,8 +1,8 @@
 #include "fem/sparse_system.hpp"
 
-#include <petscksp.h>
-
 #include <algorithm>
+
+#include <petscksp.h>
 
 #include "core/error.hpp"
 #include "fem/session.hpp"
@@ -20,11 +20,14 @@ void check(PetscErrorCode code, const char* doing) {
   }
 }
 
-/// A lagged factorisation is given up when it needs more iterations than a fresh one is worth.
+/// Krylov iterations after which a kept factorisation is no longer worth keeping.
 constexpr int slow_solve = 14;
-constexpr int max_iterations = 60;
-/// Above this many unknowns a factorisation is replaced by block preconditioning.
-constexpr int direct_limit = 160000;
+constexpr int max_direct_iterations = 60;
+constexpr int max_block_iterations = 300;
+/// A system that block preconditioning failed on this often is given to the direct solver at once.
+constexpr int max_block_failures = 2;
+/// Below this many unknowns a factorisation costs next to nothing.
+constexpr int small_system = 3000;
 
 }  // namespace
 
@@ -37,18 +40,23 @@ struct SparseSystem::Impl {
   std::vector<int> offset;
   std::vector<std::size_t> matrix_offset;
   std::vector<double> matrix_values, vector_values;
+  std::vector<bool> is_pressure;
   std::size_t fixed_owned = 0;
   int dofs = 0;
-  bool stale = true;
-  Mat matrix = nullptr;
+  int block_failures = 0;
+  bool factors_stale = true;
+  Symmetry symmetry = Symmetry::General;
+  Mat matrix = nullptr, schur = nullptr;
   Vec sum = nullptr, rhs = nullptr, solution = nullptr, everywhere = nullptr;
   VecScatter gather = nullptr;
-  KSP solver = nullptr;
+  KSP block = nullptr, direct = nullptr;
   IS displacement_set = nullptr, pressure_set = nullptr;
 
   ~Impl() {
-    KSPDestroy(&solver);
+    KSPDestroy(&block);
+    KSPDestroy(&direct);
     MatDestroy(&matrix);
+    MatDestroy(&schur);
     VecDestroy(&sum);
     VecDestroy(&rhs);
     VecDestroy(&solution);
@@ -59,9 +67,14 @@ struct SparseSystem::Impl {
   }
 
   void make_patterns(const Layout& layout, const ElementList& elements, std::span<const int> fixed);
-  void make_solver(const Layout& layout, const std::vector<bool>& pressure, Symmetry symmetry);
+  void make_block_solver(const Layout& layout);
+  void make_direct_solver();
+  void update_schur();
+  void copy_in(std::span<const double> full, Vec to) const;
   void copy_out(Vec from, std::vector<double>& full) const;
-  PetscInt run(double relative_tolerance, bool& converged) const;
+  bool run(KSP solver, double relative_tolerance, int& iterations) const;
+  bool solve_by_blocks(double relative_tolerance, LinearReport& report);
+  void solve_directly(double relative_tolerance, LinearReport& report);
 };
 
 void SparseSystem::Impl::make_patterns(const Layout& layout, const ElementList& elements,
@@ -90,7 +103,8 @@ void SparseSystem::Impl::make_patterns(const Layout& layout, const ElementList& 
     }
   }
   matrix_values.assign(rows.size(), 0.0);
-  std::fill(matrix_values.end() - static_cast<std::ptrdiff_t>(fixed_owned), matrix_values.end(), 1.0);
+  std::fill(matrix_values.end() - static_cast<std::ptrdiff_t>(fixed_owned), matrix_values.end(),
+            1.0);
   vector_values.assign(elements.dofs.size(), 0.0);
 
   const PetscInt own = layout.own_end - layout.own_begin;
@@ -110,43 +124,86 @@ void SparseSystem::Impl::make_patterns(const Layout& layout, const ElementList& 
   check(VecScatterCreateToAll(rhs, &gather, &everywhere), "creating the gather");
 }
 
-void SparseSystem::Impl::make_solver(const Layout& layout, const std::vector<bool>& pressure,
-                                     Symmetry symmetry) {
-  check(KSPCreate(PETSC_COMM_WORLD, &solver), "creating the linear solver");
-  check(KSPSetOperators(solver, matrix, matrix), "setting the matrix");
-  check(KSPSetType(solver, KSPFGMRES), "choosing FGMRES");
+void SparseSystem::Impl::make_direct_solver() {
+  check(KSPCreate(PETSC_COMM_WORLD, &direct), "creating the direct solver");
+  check(KSPSetOperators(direct, matrix, matrix), "setting the matrix");
+  check(KSPSetType(direct, KSPFGMRES), "choosing FGMRES");
   PC pc = nullptr;
-  check(KSPGetPC(solver, &pc), "getting the preconditioner");
-  if (symmetry == Symmetry::Symmetric) {
-    check(MatSetOption(matrix, MAT_SYMMETRIC, PETSC_TRUE), "marking symmetry");
-    check(MatSetOption(matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE), "marking symmetry");
-  }
-  if (layout.dofs <= direct_limit) {
-    check(PCSetType(pc, symmetry == Symmetry::Symmetric ? PCCHOLESKY : PCLU), "choosing MUMPS");
-    check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS), "choosing MUMPS");
-    return;
-  }
-  // Large systems: Schur complement with algebraic multigrid (ML) on the displacement block.
+  check(KSPGetPC(direct, &pc), "getting the preconditioner");
+  check(PCSetType(pc, symmetry == Symmetry::Symmetric ? PCCHOLESKY : PCLU), "choosing MUMPS");
+  check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS), "choosing MUMPS");
+}
+
+/// Upper block factorisation: incomplete factors of the displacement block, and for the Schur
+/// complement the diagonal of  A11 - A10 diag(A00)^-1 A01.
+void SparseSystem::Impl::make_block_solver(const Layout& layout) {
+  check(KSPCreate(PETSC_COMM_WORLD, &block), "creating the linear solver");
+  check(KSPSetOperators(block, matrix, matrix), "setting the matrix");
+  check(KSPSetType(block, KSPFGMRES), "choosing FGMRES");
+  check(KSPGMRESSetRestart(block, max_block_iterations), "setting the restart");
+  PC pc = nullptr;
+  check(KSPGetPC(block, &pc), "getting the preconditioner");
   std::vector<PetscInt> u;
   std::vector<PetscInt> p;
   for (int d = layout.own_begin; d < layout.own_end; ++d) {
-    (pressure[static_cast<std::size_t>(d)] ? p : u).push_back(d);
+    (is_pressure[static_cast<std::size_t>(d)] ? p : u).push_back(d);
   }
   check(ISCreateGeneral(PETSC_COMM_WORLD, static_cast<PetscInt>(u.size()), u.data(),
-                        PETSC_COPY_VALUES, &displacement_set), "indexing displacements");
+                        PETSC_COPY_VALUES, &displacement_set),
+        "indexing displacements");
   check(ISCreateGeneral(PETSC_COMM_WORLD, static_cast<PetscInt>(p.size()), p.data(),
-                        PETSC_COPY_VALUES, &pressure_set), "indexing pressures");
+                        PETSC_COPY_VALUES, &pressure_set),
+        "indexing pressures");
+  const auto rows = static_cast<PetscInt>(p.size());
+  check(MatCreateAIJ(PETSC_COMM_WORLD, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, 1, nullptr, 0,
+                     nullptr, &schur),
+        "creating the Schur diagonal");
   check(PCSetType(pc, PCFIELDSPLIT), "choosing block preconditioning");
   check(PCFieldSplitSetIS(pc, "u", displacement_set), "naming the blocks");
   check(PCFieldSplitSetIS(pc, "p", pressure_set), "naming the blocks");
   check(PCFieldSplitSetType(pc, PC_COMPOSITE_SCHUR), "choosing the Schur complement");
-  check(PCFieldSplitSetSchurFactType(pc, PC_FIELDSPLIT_SCHUR_FACT_UPPER), "choosing the Schur form");
-  check(PCFieldSplitSetSchurPre(pc, PC_FIELDSPLIT_SCHUR_PRE_SELFP, nullptr), "choosing selfp");
-  check(PetscOptionsSetValue(nullptr, "-fieldsplit_u_ksp_type", "preonly"), "setting options");
-  check(PetscOptionsSetValue(nullptr, "-fieldsplit_u_pc_type", "ml"), "setting options");
-  check(PetscOptionsSetValue(nullptr, "-fieldsplit_p_ksp_type", "preonly"), "setting options");
-  check(PetscOptionsSetValue(nullptr, "-fieldsplit_p_pc_type", "bjacobi"), "setting options");
+  check(PCFieldSplitSetSchurFactType(pc, PC_FIELDSPLIT_SCHUR_FACT_UPPER), "choosing its form");
+  check(PCFieldSplitSetSchurPre(pc, PC_FIELDSPLIT_SCHUR_PRE_USER, schur), "giving its diagonal");
+  for (const auto& [key, value] : {std::pair{"-fieldsplit_u_ksp_type", "preonly"},
+                                   {"-fieldsplit_u_pc_type", "bjacobi"},
+                                   {"-fieldsplit_p_ksp_type", "preonly"},
+                                   {"-fieldsplit_p_pc_type", "jacobi"}}) {
+    check(PetscOptionsSetValue(nullptr, key, value), "setting options");
+  }
   check(PCSetFromOptions(pc), "reading the options of the blocks");
+}
+
+void SparseSystem::Impl::update_schur() {
+  Vec diagonal = sum;  // free between assembly and the next one
+  check(MatGetDiagonal(matrix, diagonal), "reading the diagonal");
+  std::vector<double> d;
+  copy_out(diagonal, d);
+  PetscInt begin = 0;
+  PetscInt end = 0;
+  check(MatGetOwnershipRange(matrix, &begin, &end), "reading rows");
+  PetscInt row = 0;
+  check(MatGetOwnershipRange(schur, &row, nullptr), "reading rows");
+  for (PetscInt i = begin; i < end; ++i) {
+    if (!is_pressure[static_cast<std::size_t>(i)]) {
+      continue;
+    }
+    PetscInt n = 0;
+    const PetscInt* columns = nullptr;
+    const PetscScalar* values = nullptr;
+    check(MatGetRow(matrix, i, &n, &columns, &values), "reading a row");
+    double s = d[static_cast<std::size_t>(i)];
+    for (PetscInt k = 0; k < n; ++k) {
+      const auto j = static_cast<std::size_t>(columns[k]);
+      if (!is_pressure[j]) {
+        s -= values[k] * values[k] / std::abs(d[j]);
+      }
+    }
+    check(MatRestoreRow(matrix, i, &n, &columns, &values), "reading a row");
+    check(MatSetValue(schur, row, row, s, INSERT_VALUES), "writing the Schur diagonal");
+    ++row;
+  }
+  check(MatAssemblyBegin(schur, MAT_FINAL_ASSEMBLY), "assembling the Schur diagonal");
+  check(MatAssemblyEnd(schur, MAT_FINAL_ASSEMBLY), "assembling the Schur diagonal");
 }
 
 void SparseSystem::Impl::copy_out(Vec from, std::vector<double>& full) const {
@@ -158,16 +215,61 @@ void SparseSystem::Impl::copy_out(Vec from, std::vector<double>& full) const {
   check(VecRestoreArrayRead(everywhere, &values), "reading a vector");
 }
 
-PetscInt SparseSystem::Impl::run(double relative_tolerance, bool& converged) const {
-  check(KSPSetTolerances(solver, relative_tolerance, PETSC_DEFAULT, 1e6, max_iterations),
+void SparseSystem::Impl::copy_in(std::span<const double> full, Vec to) const {
+  PetscInt begin = 0;
+  PetscInt end = 0;
+  check(VecGetOwnershipRange(to, &begin, &end), "writing a vector");
+  PetscScalar* values = nullptr;
+  check(VecGetArrayWrite(to, &values), "writing a vector");
+  std::copy(full.begin() + begin, full.begin() + end, values);
+  check(VecRestoreArrayWrite(to, &values), "writing a vector");
+}
+
+bool SparseSystem::Impl::run(KSP solver, double relative_tolerance, int& iterations) const {
+  check(KSPSetTolerances(solver, relative_tolerance, PETSC_DEFAULT, 1e6,
+                         solver == block ? max_block_iterations : max_direct_iterations),
         "setting tolerances");
-  check(KSPSolve(solver, rhs, solution), "solving");
+  const PetscErrorCode code = KSPSolve(solver, rhs, solution);
+  if (code != 0) {  // a factorisation met a zero pivot or ran out of memory
+    return false;
+  }
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetConvergedReason(solver, &reason), "solving");
-  converged = reason > 0;
-  PetscInt iterations = 0;
-  check(KSPGetIterationNumber(solver, &iterations), "solving");
-  return iterations;
+  PetscInt n = 0;
+  check(KSPGetIterationNumber(solver, &n), "solving");
+  iterations += static_cast<int>(n);
+  return reason > 0;
+}
+
+bool SparseSystem::Impl::solve_by_blocks(double relative_tolerance, LinearReport& report) {
+  if (dofs < small_system || block_failures >= max_block_failures) {
+    return false;
+  }
+  update_schur();
+  check(KSPSetOperators(block, matrix, matrix), "setting the matrix");
+  report.converged = run(block, relative_tolerance, report.iterations);
+  block_failures += report.converged ? 0 : 1;
+  return report.converged;
+}
+
+void SparseSystem::Impl::solve_directly(double relative_tolerance, LinearReport& report) {
+  if (direct == nullptr) {
+    make_direct_solver();
+  }
+  for (int attempt = 0; attempt < 2 && !report.converged; ++attempt) {
+    const bool fresh = factors_stale;
+    check(KSPSetReusePreconditioner(direct, fresh ? PETSC_FALSE : PETSC_TRUE), "keeping factors");
+    check(KSPSetOperators(direct, matrix, matrix), "setting the matrix");
+    report.factorised = report.factorised || fresh;
+    int iterations = 0;
+    report.converged = run(direct, relative_tolerance, iterations);
+    report.iterations += iterations;
+    factors_stale = !report.converged || iterations > slow_solve;
+    if (fresh) {
+      factors_stale = !report.converged;
+      break;  // trying again would change nothing
+    }
+  }
 }
 
 SparseSystem::SparseSystem(const Layout& layout, const ElementList& elements,
@@ -175,8 +277,14 @@ SparseSystem::SparseSystem(const Layout& layout, const ElementList& elements,
                            Symmetry symmetry)
     : impl_(std::make_unique<Impl>()) {
   impl_->dofs = layout.dofs;
+  impl_->is_pressure = std::move(pressure);
+  impl_->symmetry = symmetry;
   impl_->make_patterns(layout, elements, fixed);
-  impl_->make_solver(layout, pressure, symmetry);
+  if (symmetry == Symmetry::Symmetric) {
+    check(MatSetOption(impl_->matrix, MAT_SYMMETRIC, PETSC_TRUE), "marking symmetry");
+    check(MatSetOption(impl_->matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE), "marking symmetry");
+  }
+  impl_->make_block_solver(layout);
 }
 
 SparseSystem::~SparseSystem() = default;
@@ -207,33 +315,17 @@ void SparseSystem::assemble_vector(std::vector<double>& full) {
 
 LinearReport SparseSystem::solve(std::span<const double> b, double relative_tolerance,
                                  std::vector<double>& x) {
-  Impl& s = *impl_;
-  PetscInt begin = 0;
-  PetscInt end = 0;
-  check(VecGetOwnershipRange(s.rhs, &begin, &end), "writing the right-hand side");
-  PetscScalar* values = nullptr;
-  check(VecGetArrayWrite(s.rhs, &values), "writing the right-hand side");
-  std::copy(b.begin() + begin, b.begin() + end, values);
-  check(VecRestoreArrayWrite(s.rhs, &values), "writing the right-hand side");
-
+  impl_->copy_in(b, impl_->rhs);
   LinearReport report;
-  for (int attempt = 0; attempt < 2 && !report.converged; ++attempt) {
-    const bool fresh = s.stale || attempt > 0;
-    if (attempt > 0 && report.factorised) {
-      break;  // already a fresh factorisation: trying again would change nothing
-    }
-    check(KSPSetReusePreconditioner(s.solver, fresh ? PETSC_FALSE : PETSC_TRUE), "keeping factors");
-    if (fresh) {
-      check(KSPSetOperators(s.solver, s.matrix, s.matrix), "setting the matrix");
-      report.factorised = true;
-    }
-    report.iterations += static_cast<int>(s.run(relative_tolerance, report.converged));
-    s.stale = !report.converged || (!fresh && report.iterations > slow_solve);
+  if (!impl_->solve_by_blocks(relative_tolerance, report)) {
+    impl_->solve_directly(relative_tolerance, report);
   }
-  s.copy_out(s.solution, x);
+  impl_->copy_out(impl_->solution, x);
   return report;
 }
 
-void SparseSystem::forget_factorisation() { impl_->stale = true; }
+void SparseSystem::forget_factorisation() {
+  impl_->factors_stale = true;
+}
 
 }  // namespace sanatrix::fem

@@ -1,5 +1,5 @@
 // A sparse linear system that is assembled from element contributions again and again with one
-// pattern, and solved with a factorisation that is kept while it is good enough. The seam to PETSc.
+// pattern. The seam to PETSc's matrices and linear solvers.
 #pragma once
 
 #include <memory>
@@ -45,9 +45,9 @@ class SparseSystem {
   /// Sums the element vectors; the result is complete on every rank.
   void assemble_vector(std::vector<double>& full);
 
-  /// x = A^-1 b by FGMRES, preconditioned with the last factorisation; factorises anew when there
-  /// is none, when the last solve was slow, or when this one does not converge. b and x are
-  /// complete on every rank.
+  /// x = A^-1 b by FGMRES. First choice is the block preconditioner (incomplete factors of the
+  /// displacement block, diagonal Schur complement); where that fails, and for small systems, the
+  /// last MUMPS factorisation is used while it is good enough. b and x are complete on every rank.
   LinearReport solve(std::span<const double> b, double relative_tolerance, std::vector<double>& x);
   /// The next solve starts with a fresh factorisation.
   void forget_factorisation();

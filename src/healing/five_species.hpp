@@ -62,14 +62,14 @@ class FiveSpecies {
     // logistic terms would run away instead of coming back.
     const T cells = eta < 0.0 ? zero : eta;
     const T capillaries = nu < 0.0 ? zero : nu;
-    const T growth = xi < p_.xi_tilde ? xi / p_.xi_tilde : one;             // K / k_zeta, Eq. (6)
+    const T growth = xi < p_.xi_tilde ? xi / p_.xi_tilde : one;  // K / k_zeta, Eq. (6)
     const T release = xi < p_.xi_hat ? wound * (one - xi / p_.xi_hat) : zero;  // Q, Eq. (5)
-    const T sprouting = 3.0 * mu / (2.0 + mu);                              // H, Eq. (3)
+    const T sprouting = 3.0 * mu / (2.0 + mu);                                 // H, Eq. (3)
     return {d_.k_zeta * p_.eta0 * (growth * mitosis(zeta) * cells * (2.0 - cells)) - p_.k * eta,
-            p_.l * (eta - zeta),                                     // Eq. (2), l_eta eta0 = l zeta0
+            p_.l * (eta - zeta),  // Eq. (2), l_eta eta0 = l zeta0
             p_.beta_v0 * (sprouting * capillaries * (1.0 - capillaries)),  // Eq. (3)
-            p_.lambda * (nu - xi),                                   // Eq. (4), lambda_o v0 = lambda
-            p_.phi_xi / p_.mu0 * release - p_.phi * mu};             // Eq. (5)
+            p_.lambda * (nu - xi),                        // Eq. (4), lambda_o v0 = lambda
+            p_.phi_xi / p_.mu0 * release - p_.phi * mu};  // Eq. (5)
   }
 
  private:

@@ -1,33 +1,36 @@
-// A PETSc vector of the own vertices that carries room for the ghosts behind them.
+// PETSc vectors of the own vertices that carry room for the ghosts behind them.
 #pragma once
 
 #include <span>
-
-#include <petscvec.h>
+#include <vector>
 
 #include "healing/system.hpp"
 
+struct _p_Vec;  // PETSc's Vec is a pointer to this
+
 namespace sanatrix::healing {
 
-/// Collective; throws Error{Resource} when PETSc cannot allocate it.
-Vec create_ghosted(const System& system);
+/// Collective. The caller destroys it.
+_p_Vec* create_ghosted(const System& system);
 /// Brings the ghosts up to date with their owners. Collective.
-void update_ghosts(Vec v);
+void update_ghosts(_p_Vec* v);
+/// The values of all ranks, one after the other, on every rank. Collective.
+std::vector<double> gathered(std::span<const double> own);
 
-/// Own values (and ghosts, if any) of a vector for as long as the object lives.
+/// Own values and ghosts of a vector for as long as the object lives.
 class LocalValues {
  public:
-  explicit LocalValues(Vec v);
+  explicit LocalValues(_p_Vec* v);
   ~LocalValues();
   LocalValues(const LocalValues&) = delete;
   LocalValues& operator=(const LocalValues&) = delete;
-  [[nodiscard]] std::span<double> with_ghosts() const { return {data_, size_with_ghosts_}; }
-  [[nodiscard]] std::span<double> own() const { return {data_, size_}; }
+  [[nodiscard]] std::span<double> with_ghosts() const { return all_; }
+  [[nodiscard]] std::span<double> own() const { return own_; }
 
  private:
-  Vec vector_;
-  double* data_ = nullptr;
-  std::size_t size_ = 0, size_with_ghosts_ = 0;
+  _p_Vec* vector_;
+  _p_Vec* local_ = nullptr;
+  std::span<double> all_, own_;
 };
 
 }  // namespace sanatrix::healing

@@ -12,21 +12,21 @@ namespace sanatrix::healing {
 
 /// Scaled so that the value in healthy tissue at rest is of order 1.
 struct Species {
-  std::string key;           ///< "eta": prefix of its history columns
-  std::string label;         ///< "cell density"
-  double healthy;            ///< initial and clamped value outside the wound
-  double wounded;            ///< initial value inside the wound
-  bool clamped_outside;      ///< held at `healthy` strictly outside the wound
-  double diffusivity;        ///< [m2/s]
+  std::string key;       ///< "eta": prefix of its history columns
+  std::string label;     ///< "cell density"
+  double healthy;        ///< initial and clamped value outside the wound
+  double wounded;        ///< initial value inside the wound
+  bool clamped_outside;  ///< held at `healthy` strictly outside the wound
+  double diffusivity;    ///< [m2/s]
 };
 
 /// What a wound asks of mechanics; values [Pa], Eq. (9) and S_active = tau_f eta_f I of
 /// doi:10.1371/journal.pone.0159766.
 struct WoundMechanics {
-  double c1, c2;             ///< Mooney-Rivlin at full integrity
-  double kappa;              ///< drained bulk modulus
-  double active_stress;      ///< T0 = tau_f alpha_f eta0_f, at eta = eta0
-  double integrity_floor;    ///< lower bound of eta/eta0
+  double c1, c2;           ///< Mooney-Rivlin at full integrity
+  double kappa;            ///< drained bulk modulus
+  double active_stress;    ///< T0 = tau_f alpha_f eta0_f, at eta = eta0
+  double integrity_floor;  ///< lower bound of eta/eta0
 };
 
 class Model {

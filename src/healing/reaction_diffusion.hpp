@@ -2,6 +2,7 @@
 // paper's explicit Euler in time. Eq. (7), doi:10.1371/journal.pone.0159766.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -32,8 +33,12 @@ class ReactionDiffusion {
   ReactionDiffusion(const ReactionDiffusion&) = delete;
   ReactionDiffusion& operator=(const ReactionDiffusion&) = delete;
 
-  /// Advances to time t [s], t >= time(). Collective.
-  void advance(double t_s, const Context& ctx);
+  /// Advances to time t [s], t >= time_s(), and ends exactly there. Collective. Every call begins
+  /// anew from the state alone, so that a run resumed between two calls repeats an undisturbed one.
+  /// on_record is called at the given ascending times on the way, with time_s() and state() of that
+  /// moment; this costs far less than one call per record.
+  void advance(double t_s, const Context& ctx, std::span<const double> record_times_s = {},
+               const std::function<void()>& on_record = {});
   [[nodiscard]] double time_s() const;
   /// vertices x species, gathered on every rank; what checkpoints store.
   [[nodiscard]] const std::vector<double>& state() const;
@@ -53,9 +58,9 @@ class ReactionDiffusion {
 /// Means over the wound and the value at the vertex nearest to its centroid, per species.
 struct SpeciesRecord {
   double t_day;
-  std::vector<double> mean, centre;       ///< per species
+  std::vector<double> mean, centre;         ///< per species
   double eta_healthy_min, eta_healthy_max;  ///< species 0 outside the wound
-  double far_field_second;                ///< species 1 (zeta) at the vertex farthest from the wound
+  double far_field_second;  ///< species 1 (zeta) at the vertex farthest from the wound
 };
 SpeciesRecord record(const ReactionDiffusion& rd, const TetMesh& mesh, std::span<const Vec3> points,
                      std::span<const double> wound_fraction, const Model& model);

@@ -11,11 +11,11 @@ namespace sanatrix::healing {
 class Stepper {
  public:
   virtual ~Stepper() = default;
-  /// Begins at t with the given state of the own vertices, forgetting all that went before.
+  /// Begins at t with the given own unknowns, forgetting all that went before.
   virtual void start(double t, std::span<const double> own_state) = 0;
   /// Takes one step that does not go beyond t_end; returns the new time.
   virtual double step(double t_end) = 0;
-  /// The own vertices at a time within the last step.
+  /// The own unknowns at a time within the last step.
   virtual void state_at(double t, std::span<double> own_state) = 0;
 };
 

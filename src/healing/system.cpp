@@ -3,47 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-
-#include "core/error.hpp"
 
 namespace sanatrix::healing {
 namespace {
-
-/// Gradients of the four linear shape functions, times 6 V, and 6 V itself.
-struct Tetrahedron {
-  std::array<Vec3, 4> gradient;
-  double volume6;
-};
-
-Tetrahedron tetrahedron(const std::array<int, 4>& v, std::span<const Vec3> points) {
-  const Vec3 a = points[v[1]] - points[v[0]];
-  const Vec3 b = points[v[2]] - points[v[0]];
-  const Vec3 c = points[v[3]] - points[v[0]];
-  Tetrahedron t{{Vec3{}, cross(b, c), cross(c, a), cross(a, b)}, 0.0};
-  t.gradient[0] = -1.0 * (t.gradient[1] + t.gradient[2] + t.gradient[3]);
-  t.volume6 = dot(a, t.gradient[1]);
-  return t;
-}
-
-WoundMap wound_map(const TetMesh& mesh, std::span<const Vec3> points,
-                   std::span<const double> wound_fraction) {
-  WoundMap map{std::vector<bool>(points.size()), std::vector<double>(points.size())};
-  std::vector<double> volume(points.size());
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    const double v = tetrahedron(mesh.cells[c], points).volume6;
-    for (const int i : mesh.cells[c]) {
-      volume[i] += v;
-      map.fraction[i] += v * wound_fraction[c];
-      map.vertex[i] = map.vertex[i] || wound_fraction[c] >= 0.5;
-    }
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    ensure(volume[i] > 0.0, "vertex {} of the healing mesh belongs to no cell", i);
-    map.fraction[i] /= volume[i];
-  }
-  return map;
-}
 
 /// Inverse of a small dense row-major matrix, in place (Gauss-Jordan with row pivoting).
 void invert(std::span<double> m, int n, std::vector<int>& pivots) {
@@ -54,7 +16,9 @@ void invert(std::span<double> m, int n, std::vector<int>& pivots) {
       p = std::abs(m[i * n + k]) > std::abs(m[p * n + k]) ? i : p;
     }
     pivots[k] = p;
-    std::swap_ranges(m.begin() + k * n, m.begin() + (k + 1) * n, m.begin() + p * n);
+    if (p != k) {
+      std::swap_ranges(m.begin() + k * n, m.begin() + (k + 1) * n, m.begin() + p * n);
+    }
     const double scale = 1.0 / m[k * n + k];
     m[k * n + k] = 1.0;
     for (int j = 0; j < n; ++j) {
@@ -78,6 +42,22 @@ void invert(std::span<double> m, int n, std::vector<int>& pivots) {
   }
 }
 
+/// y[unknown of a] = sum over b of block(a, b) x[unknown of b], block after block.
+template <class Store>
+void multiply_blocks(std::span<const int> first, std::span<const int> unknown,
+                     std::span<const double> blocks, std::span<const double> x, Store store) {
+  const double* entry = blocks.data();
+  for (std::size_t i = 0; i + 1 < first.size(); ++i) {
+    for (int a = first[i]; a < first[i + 1]; ++a) {
+      double sum = 0.0;
+      for (int b = first[i]; b < first[i + 1]; ++b) {
+        sum += *entry++ * x[unknown[b]];
+      }
+      store(unknown[a], sum);
+    }
+  }
+}
+
 }  // namespace
 
 int Partition::chunk_begin(int chunk, int vertices) {
@@ -96,193 +76,234 @@ System::System(const TetMesh& mesh, std::span<const Vec3> points,
       vertices_(static_cast<int>(points.size())),
       begin_(Partition::rank_begin(rank, ranks, vertices_)),
       end_(Partition::rank_begin(rank + 1, ranks, vertices_)),
-      wound_(wound_map(mesh, points, wound_fraction)) {
-  for (int i = 0; i < vertices_; ++i) {
-    for (int s = 0; s < species_; ++s) {
-      const bool held = model.species()[s].clamped_outside && !wound_.vertex[i];
-      free_ += held ? 0 : 1;
-      free_wound_ += wound_.vertex[i] ? 1 : 0;
-      if (held && i >= begin_ && i < end_) {
-        clamped_.push_back((i - begin_) * species_ + s);
-      }
+      wound_(make_wound_map(mesh, points, wound_fraction)) {
+  for (int s = 0; s < species_; ++s) {
+    const Species& kind = model.species()[s];
+    Group& group = groups_[kind.clamped_outside ? 1 : 0];
+    group.species.push_back(s);
+    group.diffusion.diffusivity.push_back(kind.diffusivity);
+    group.diffusion.healthy.push_back(kind.healthy);
+  }
+  for (int v = begin_; v < end_; ++v) {
+    groups_[0].vertices.push_back(v);
+    if (wound_.vertex[v]) {
+      groups_[1].vertices.push_back(v);
     }
   }
-  for (const Species& s : model.species()) {
-    diffusivity_.push_back(s.diffusivity);
-  }
-  assemble(mesh, points);
+  number_unknowns(mesh, points, ranks);
+  index_vertices();
 }
 
-void System::assemble(const TetMesh& mesh, std::span<const Vec3> points) {
-  std::vector<std::map<int, double>> rows(own());
-  std::vector<double> mass(own());  // times 24
-  for (const auto& cell : mesh.cells) {
-    const Tetrahedron t = tetrahedron(cell, points);
-    for (int a = 0; a < 4; ++a) {
-      const int i = cell[a] - begin_;
-      if (i < 0 || i >= own()) {
-        continue;
-      }
-      mass[i] += t.volume6;
-      for (int b = 0; b < 4; ++b) {
-        if (b != a) {  // K_ab = V (g_a / 6V) . (g_b / 6V)
-          rows[i][cell[b]] -= dot(t.gradient[a], t.gradient[b]) / (6.0 * t.volume6);
-        }
+void System::number_unknowns(const TetMesh& mesh, std::span<const Vec3> points, int ranks) {
+  const std::array<int, 2> stride{static_cast<int>(groups_[0].species.size()),
+                                  static_cast<int>(groups_[1].species.size())};
+  // Global numbers: rank after rank, and within a rank as in its own vector.
+  std::array<std::vector<int>, 2> global{std::vector<int>(vertices_), std::vector<int>(vertices_)};
+  for (int r = 0; r < ranks; ++r) {
+    const int rank_begin = Partition::rank_begin(r, ranks, vertices_);
+    const int rank_end = Partition::rank_begin(r + 1, ranks, vertices_);
+    for (int g = 0; g < 2; ++g) {
+      for (int v = rank_begin; v < rank_end; ++v) {
+        global[g][v] = all_unknowns_;
+        all_unknowns_ += g == 0 || wound_.vertex[v] ? stride[g] : 0;
       }
     }
   }
-  std::vector<int> columns;
-  row_.assign(1, 0);
-  diagonal_.assign(own(), 0.0);
-  for (int i = 0; i < own(); ++i) {
-    for (const auto& [column, stiffness] : rows[i]) {
-      columns.push_back(column);
-      entries_.push_back({column, 24.0 * stiffness / mass[i]});
-      diagonal_[i] += entries_.back().weight;
-    }
-    row_.push_back(static_cast<int>(entries_.size()));
+  wound_unknowns_ = static_cast<int>(std::ranges::count(wound_.vertex, true)) * species_;
+  for (int g = 0; g < 2; ++g) {
+    groups_[g].diffusion.first = own_unknowns_;
+    own_unknowns_ += stride[g] * static_cast<int>(groups_[g].vertices.size());
   }
-  localise(columns);
+  for (int g = 0; g < 2; ++g) {
+    for (int c = 0; c < Partition::chunks; ++c) {
+      const auto& own = groups_[g].vertices;
+      const auto before =
+          std::ranges::lower_bound(own, Partition::chunk_begin(c, vertices_)) - own.begin();
+      chunks_.push_back(groups_[g].diffusion.first + stride[g] * static_cast<int>(before));
+    }
+  }
+  chunks_.push_back(own_unknowns_);
+  const int first_global = vertices_ > begin_ ? global[0][begin_] : 0;
+  for (int g = 0; g < 2; ++g) {
+    Group& group = groups_[g];
+    Laplacian& l = group.diffusion.laplacian;
+    l = make_laplacian(mesh, points, wound_, g == 0 ? Domain::Mesh : Domain::Wound, group.vertices);
+    std::vector<int> strangers;
+    for (const auto& e : l.entries) {
+      if (e.column < begin_ || e.column >= end_) {
+        strangers.push_back(e.column);
+      }
+    }
+    std::ranges::sort(strangers);
+    const auto repeated = std::ranges::unique(strangers);
+    strangers.erase(repeated.begin(), repeated.end());
+    const int first_ghost = own_unknowns_ + static_cast<int>(ghosts_.size());
+    for (const int v : strangers) {
+      for (int s = 0; s < stride[g]; ++s) {
+        ghosts_.push_back(global[g][v] + s);
+      }
+    }
+    for (auto& e : l.entries) {
+      const bool mine = e.column >= begin_ && e.column < end_;
+      const auto place = std::ranges::lower_bound(strangers, e.column) - strangers.begin();
+      e.column = mine ? global[g][e.column] - first_global
+                      : first_ghost + stride[g] * static_cast<int>(place);
+    }
+  }
 }
 
-/// Global columns become local ones: own vertices first, then ghosts.
-void System::localise(const std::vector<int>& columns) {
-  for (const int c : columns) {
-    if (c < begin_ || c >= end_) {
-      ghosts_.push_back(c);
+void System::index_vertices() {
+  std::vector<std::vector<std::array<int, 2>>> of(end_ - begin_);  // species, unknown
+  for (const Group& group : groups_) {
+    int unknown = group.diffusion.first;
+    for (const int v : group.vertices) {
+      for (const int s : group.species) {
+        of[v - begin_].push_back({s, unknown++});
+      }
     }
   }
-  std::ranges::sort(ghosts_);
-  ghosts_.erase(std::ranges::unique(ghosts_).begin(), ghosts_.end());
-  for (Entry& e : entries_) {
-    const bool mine = e.column >= begin_ && e.column < end_;
-    e.column = mine ? e.column - begin_
-                    : own() + static_cast<int>(std::ranges::lower_bound(ghosts_, e.column) -
-                                               ghosts_.begin());
+  first_.push_back(0);
+  block_.push_back(0);
+  for (auto& unknowns : of) {
+    std::ranges::sort(unknowns);
+    for (const auto& [s, k] : unknowns) {
+      species_of_.push_back(s);
+      unknown_.push_back(k);
+    }
+    const int size = static_cast<int>(unknowns.size());
+    first_.push_back(first_.back() + size);
+    block_.push_back(block_.back() + size * size);
+  }
+  at_vertices_.resize(of.size() * species_);
+  rates_.resize(at_vertices_.size());
+  full_jacobian_.resize(at_vertices_.size() * species_);
+  source_jacobian_.resize(block_.back());
+  // What is clamped stays as it is written here.
+  for (std::size_t k = 0; k < at_vertices_.size(); ++k) {
+    at_vertices_[k] = model_->species()[k % species_].healthy;
   }
 }
 
 std::vector<double> System::initial_state() const {
   std::vector<double> q;
   q.reserve(static_cast<std::size_t>(vertices_) * species_);
-  for (int i = 0; i < vertices_; ++i) {
+  for (int v = 0; v < vertices_; ++v) {
     for (const Species& s : model_->species()) {
-      q.push_back(wound_.vertex[i] ? s.wounded : s.healthy);
+      q.push_back(wound_.vertex[v] ? s.wounded : s.healthy);
     }
   }
   return q;
 }
 
-void System::diffuse(std::span<const double> q, std::span<double> out) const {
-  const int n = species_;
-  std::vector<double>& sum = work_;
-  sum.resize(n);
-  for (int i = 0; i < own(); ++i) {
-    const double* const here = q.data() + static_cast<std::size_t>(i) * n;
-    std::ranges::fill(sum, 0.0);
-    for (int e = row_[i]; e < row_[i + 1]; ++e) {
-      // Differences, so that a uniform field stays uniform to the last bit.
-      const double* const there = q.data() + static_cast<std::size_t>(entries_[e].column) * n;
-      for (int s = 0; s < n; ++s) {
-        sum[s] += entries_[e].weight * (there[s] - here[s]);
-      }
-    }
-    for (int s = 0; s < n; ++s) {
-      out[static_cast<std::size_t>(i) * n + s] = diffusivity_[s] * sum[s];
+void System::pick_unknowns(std::span<const double> all_vertices, std::span<double> own) const {
+  for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
+    for (int k = first_[i]; k < first_[i + 1]; ++k) {
+      own[unknown_[k]] = all_vertices[(begin_ + i) * species_ + species_of_[k]];
     }
   }
 }
 
-void System::hold_clamped(std::span<double> own_values) const {
-  for (const int c : clamped_) {
-    own_values[c] = 0.0;
+void System::gather(std::span<const double> own, std::span<double> at_vertices) const {
+  for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
+    for (int k = first_[i]; k < first_[i + 1]; ++k) {
+      at_vertices[i * species_ + species_of_[k]] = own[unknown_[k]];
+    }
   }
 }
 
-void System::rate(std::span<const double> q, std::span<double> dq) const {
-  const std::size_t size = static_cast<std::size_t>(own()) * species_;
-  model_->source(q.first(size), std::span(wound_.fraction).subspan(begin_, own()), dq, {});
-  std::vector<double> flux(size);
-  diffuse(q, flux);
-  for (std::size_t k = 0; k < size; ++k) {
-    dq[k] += flux[k];
+std::vector<double> System::at_own_vertices(std::span<const double> own) const {
+  std::vector<double> result = at_vertices_;
+  gather(own, result);
+  return result;
+}
+
+std::span<const double> System::wound_flags() const {
+  return std::span(wound_.fraction).subspan(begin_, end_ - begin_);
+}
+
+void System::rate(std::span<const double> q, std::span<double> dq) {
+  for (const Group& group : groups_) {
+    group.diffusion.apply(q, dq);
   }
-  hold_clamped(dq);
+  gather(q, at_vertices_);
+  model_->source(at_vertices_, wound_flags(), rates_, {});
+  for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
+    for (int k = first_[i]; k < first_[i + 1]; ++k) {
+      dq[unknown_[k]] += rates_[i * species_ + species_of_[k]];
+    }
+  }
 }
 
 void System::linearise(std::span<const double> q) {
-  const std::size_t size = static_cast<std::size_t>(own()) * species_;
-  jacobian_.resize(size * species_);
-  std::vector<double> unused(size);
-  model_->source(q.first(size), std::span(wound_.fraction).subspan(begin_, own()), unused,
-                 jacobian_);
-}
-
-void System::apply(std::span<const double> v, std::span<double> jv) const {
-  diffuse(v, jv);
-  const int n = species_;
-  const double* j = jacobian_.data();
-  for (int i = 0; i < own(); ++i) {
-    for (int s = 0; s < n; ++s) {
-      for (int t = 0; t < n; ++t) {
-        jv[i * n + s] += *j++ * v[i * n + t];
+  gather(q, at_vertices_);
+  model_->source(at_vertices_, wound_flags(), rates_, full_jacobian_);
+  double* entry = source_jacobian_.data();
+  for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
+    for (int a = first_[i]; a < first_[i + 1]; ++a) {
+      const double* const row = &full_jacobian_[(i * species_ + species_of_[a]) * species_];
+      for (int b = first_[i]; b < first_[i + 1]; ++b) {
+        *entry++ = row[species_of_[b]];
       }
     }
   }
-  hold_clamped(jv);
+}
+
+void System::apply(std::span<const double> v, std::span<double> jv) const {
+  for (const Group& group : groups_) {
+    group.diffusion.apply_homogeneous(v, jv);
+  }
+  multiply_blocks(first_, unknown_, source_jacobian_, v,
+                  [&](int k, double value) { jv[k] += value; });
 }
 
 void System::factorise(double gamma) {
-  const int n = species_;
-  block_inverse_.assign(jacobian_.size(), 0.0);
-  std::ranges::transform(jacobian_, block_inverse_.begin(), [&](double j) { return -gamma * j; });
-  for (const int c : clamped_) {
-    std::fill_n(block_inverse_.begin() + static_cast<std::ptrdiff_t>(c) * n, n, 0.0);
-  }
-  for (int i = 0; i < own(); ++i) {
-    for (int s = 0; s < n; ++s) {
-      block_inverse_[(i * n + s) * n + s] += 1.0 + gamma * diffusivity_[s] * diagonal_[i];
+  block_inverse_.resize(source_jacobian_.size());
+  std::ranges::transform(source_jacobian_, block_inverse_.begin(),
+                         [&](double j) { return -gamma * j; });
+  std::vector<double> diagonal(own_unknowns_);
+  for (const auto& [species, vertices, d] : groups_) {
+    for (std::size_t k = 0; k < species.size() * vertices.size(); ++k) {
+      diagonal[d.first + k] =
+          d.diffusivity[k % species.size()] * d.laplacian.diagonal[k / species.size()];
     }
   }
-  for (const int c : clamped_) {
-    block_inverse_[c * n + c % n] = 1.0;
-  }
   std::vector<int> pivots;
-  for (int i = 0; i < own(); ++i) {
-    invert(std::span(block_inverse_).subspan(static_cast<std::size_t>(i) * n * n, n * n), n, pivots);
+  for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
+    const int size = first_[i + 1] - first_[i];
+    const auto block = std::span(block_inverse_).subspan(block_[i], size * size);
+    for (int a = 0; a < size; ++a) {
+      block[a * size + a] += 1.0 + gamma * diagonal[unknown_[first_[i] + a]];
+    }
+    invert(block, size, pivots);
   }
 }
 
 void System::precondition(std::span<const double> r, std::span<double> z) const {
-  const int n = species_;
-  const double* m = block_inverse_.data();
-  for (int i = 0; i < own(); ++i) {
-    for (int s = 0; s < n; ++s) {
-      double sum = 0.0;
-      for (int t = 0; t < n; ++t) {
-        sum += *m++ * r[i * n + t];
-      }
-      z[i * n + s] = sum;
-    }
-  }
+  multiply_blocks(first_, unknown_, block_inverse_, r, [&](int k, double value) { z[k] = value; });
 }
 
 System::StepLimit System::explicit_limit() const {
-  StepLimit limit{std::numeric_limits<double>::max(), 0, 0};
-  const int n = species_;
-  for (int i = 0; i < own(); ++i) {
-    double weights = 0.0;
-    for (int e = row_[i]; e < row_[i + 1]; ++e) {
-      weights += std::abs(entries_[e].weight);
-    }
-    for (int s = 0; s < n; ++s) {
-      double radius = diffusivity_[s] * (weights + std::abs(diagonal_[i]));
-      for (int t = 0; t < n; ++t) {
-        radius += std::abs(jacobian_[(i * n + s) * n + t]);
+  std::vector<double> radius(own_unknowns_);
+  for (const auto& [species, vertices, d] : groups_) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      double weights = d.laplacian.diagonal[i];
+      for (int e = d.laplacian.row[i]; e < d.laplacian.row[i + 1]; ++e) {
+        weights += std::abs(d.laplacian.entries[e].weight);
       }
-      const bool held = std::ranges::binary_search(clamped_, i * n + s);
-      if (!held && radius * limit.dt > 2.0) {
-        limit = {2.0 / radius, s, begin_ + i};
+      for (std::size_t s = 0; s < species.size(); ++s) {
+        radius[d.first + i * species.size() + s] = d.diffusivity[s] * weights;
+      }
+    }
+  }
+  std::vector<double> magnitude(source_jacobian_.size());
+  std::ranges::transform(source_jacobian_, magnitude.begin(), [](double j) { return std::abs(j); });
+  multiply_blocks(first_, unknown_, magnitude, std::vector<double>(own_unknowns_, 1.0),
+                  [&](int k, double sum) { radius[k] += sum; });
+  StepLimit limit{std::numeric_limits<double>::max(), 0, 0};
+  for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
+    for (int k = first_[i]; k < first_[i + 1]; ++k) {
+      if (radius[unknown_[k]] * limit.dt > 2.0) {
+        limit = {2.0 / radius[unknown_[k]], species_of_[k], begin_ + static_cast<int>(i)};
       }
     }
   }

@@ -1,51 +1,52 @@
-// The semi-discrete equations dq/dt = D M^-1 K q + S(q) of the vertices that one rank owns: lumped
-// P1 on tetrahedra, Eq. (7) of doi:10.1371/journal.pone.0159766. No library, no time stepping.
+// The semi-discrete equations dq/dt = D lap q + S(q) for the unknowns that one rank owns: Eq. (7)
+// of doi:10.1371/journal.pone.0159766 with clamped unknowns left out. No library, no time stepping.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
 #include "geometry/tet_mesh.hpp"
+#include "healing/diffusion.hpp"
 #include "healing/model.hpp"
+#include "healing/wound_map.hpp"
 
 namespace sanatrix::healing {
 
-/// Vertices fall into a fixed number of consecutive chunks; a rank owns whole chunks, so that sums
+/// Vertices fall into a fixed number of consecutive chunks, and a rank owns whole chunks: sums
 /// taken chunk by chunk have the same bits on any number of ranks.
 struct Partition {
   static constexpr int chunks = 256;
-  /// Vertices before the given chunk.
   static int chunk_begin(int chunk, int vertices);
-  /// First vertex of a rank; rank == ranks gives the number of vertices.
   static int rank_begin(int rank, int ranks, int vertices);
 };
 
-/// Where and how much of the mesh is wound.
-struct WoundMap {
-  std::vector<bool> vertex;     ///< belongs to the wound, interface included
-  std::vector<double> fraction; ///< share of wound in the vertex's lumped volume
-};
-
+/// The own vector holds two groups of unknowns: species that live in the whole mesh, for every own
+/// vertex; then species that are clamped outside the wound, for every own wound vertex.
 class System {
  public:
   System(const TetMesh& mesh, std::span<const Vec3> points, std::span<const double> wound_fraction,
          const Model& model, int rank, int ranks);
 
-  [[nodiscard]] int species() const { return species_; }
-  [[nodiscard]] int begin() const { return begin_; }        ///< first own vertex
-  [[nodiscard]] int own() const { return end_ - begin_; }   ///< own vertices
-  [[nodiscard]] int vertices() const { return vertices_; }  ///< of the whole mesh
-  /// Vertices of other ranks that own rows refer to, ascending; they follow the own ones in q.
-  [[nodiscard]] const std::vector<int>& ghosts() const { return ghosts_; }
   [[nodiscard]] const WoundMap& wound() const { return wound_; }
-  /// Unknowns of the whole mesh that are not clamped, and those of them in the wound.
-  [[nodiscard]] long free_unknowns() const { return free_; }
-  [[nodiscard]] long free_wound_unknowns() const { return free_wound_; }
+  [[nodiscard]] int own_unknowns() const { return own_unknowns_; }
+  [[nodiscard]] int all_unknowns() const { return all_unknowns_; }
+  /// Unknowns at wound vertices, of the whole mesh.
+  [[nodiscard]] int wound_unknowns() const { return wound_unknowns_; }
+  /// Unknowns of other ranks that own rows refer to; they follow the own ones.
+  [[nodiscard]] const std::vector<int>& ghosts() const { return ghosts_; }
+  /// Ranges of own unknowns, one after the other: begin of a chunk of either group; empty ones
+  /// belong to other ranks. 2 x chunks + 1 entries.
+  [[nodiscard]] const std::vector<int>& chunks() const { return chunks_; }
+
   /// Species at the start, vertices x species, of the whole mesh.
   [[nodiscard]] std::vector<double> initial_state() const;
+  /// From and to vertices x species (own vertices; clamped species get their healthy value).
+  void pick_unknowns(std::span<const double> all_vertices, std::span<double> own) const;
+  [[nodiscard]] std::vector<double> at_own_vertices(std::span<const double> own) const;
 
-  /// dq/dt of the own vertices; q: own vertices and ghosts.
-  void rate(std::span<const double> q, std::span<double> dq) const;
+  /// dq/dt of the own unknowns; q: own unknowns and ghosts.
+  void rate(std::span<const double> q, std::span<double> dq);
   /// Remembers the Jacobian of the source at q.
   void linearise(std::span<const double> q);
   /// Jacobian times v, at the last linearisation.
@@ -60,33 +61,33 @@ class System {
     int species;  ///< that sets it
     int vertex;   ///< where, of the whole mesh
   };
-  /// Largest step of explicit Euler that is surely stable for the own vertices (Gershgorin).
+  /// Largest step of explicit Euler that is surely stable for the own unknowns (Gershgorin), at the
+  /// last linearisation.
   [[nodiscard]] StepLimit explicit_limit() const;
 
  private:
-  struct Entry {
-    int column;     ///< local: own vertices, then ghosts
-    double weight;  ///< -K_ij / m_i [1/m2]
+  /// One of the two groups.
+  struct Group {
+    std::vector<int> species;
+    std::vector<int> vertices;  ///< own, ascending
+    Diffusion diffusion;
   };
-  void assemble(const TetMesh& mesh, std::span<const Vec3> points);
-  void localise(const std::vector<int>& columns);
-  /// out = D M^-1 K q
-  void diffuse(std::span<const double> q, std::span<double> out) const;
-  void hold_clamped(std::span<double> own_values) const;
+  void number_unknowns(const TetMesh& mesh, std::span<const Vec3> points, int ranks);
+  void index_vertices();
+  void gather(std::span<const double> own, std::span<double> at_vertices) const;
+  [[nodiscard]] std::span<const double> wound_flags() const;
 
   const Model* model_;
   int species_, vertices_, begin_, end_;
-  std::vector<double> diffusivity_;
   WoundMap wound_;
-  std::vector<int> ghosts_;
-  std::vector<int> row_;       // CSR over own vertices, diagonal left out
-  std::vector<Entry> entries_; // in the order of global columns
-  std::vector<double> diagonal_;     // sum of a row's weights
-  std::vector<int> clamped_;         // own unknowns that are held
-  long free_ = 0, free_wound_ = 0;
-  std::vector<double> jacobian_;     // of the source, per own vertex
-  std::vector<double> block_inverse_;
-  mutable std::vector<double> work_;
+  std::array<Group, 2> groups_;
+  int own_unknowns_ = 0, all_unknowns_ = 0, wound_unknowns_ = 0;
+  std::vector<int> ghosts_, chunks_;
+  // Unknowns by own vertex: vertex i has those of unknown_[k], species_of_[k] with
+  // first_[i] <= k < first_[i + 1], and a square block of that size from block_[i] on.
+  std::vector<int> first_, unknown_, species_of_, block_;
+  std::vector<double> source_jacobian_, block_inverse_;      // blocks, row-major
+  std::vector<double> at_vertices_, rates_, full_jacobian_;  // own vertices x species (x species)
 };
 
 }  // namespace sanatrix::healing

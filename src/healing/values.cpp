@@ -21,11 +21,12 @@ Values::Values(std::string preset, std::map<std::string, std::string> text,
     const auto found = text_.find(entry.substr(0, equals));
     if (found == text_.end()) {
       std::vector<std::string> keys;
-      std::ranges::transform(text_, std::back_inserter(keys), [](const auto& e) { return e.first; });
-      throw Error(Fault::Input,
-                  fmt::format("healing preset {} has no value '{}'", preset_,
-                              entry.substr(0, equals)),
-                  fmt::format("known are {}", fmt::join(keys, ", ")));
+      std::ranges::transform(text_, std::back_inserter(keys),
+                             [](const auto& e) { return e.first; });
+      throw Error(
+          Fault::Input,
+          fmt::format("healing preset {} has no value '{}'", preset_, entry.substr(0, equals)),
+          fmt::format("known are {}", fmt::join(keys, ", ")));
     }
     found->second = entry.substr(equals + 1);
   }

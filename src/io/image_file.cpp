@@ -3,6 +3,7 @@
 #include "io/image_file.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 #include <itkImageFileReader.h>
@@ -14,13 +15,12 @@
 
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "io/image_completeness.hpp"
 
 namespace sanatrix::io {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* formats = "NIfTI (.nii, .nii.gz), NRRD (.nrrd) or MetaImage (.mha, .mhd)";
 
 /// ITK's exceptions as ours, on one line that names the file.
 template <class F>
@@ -33,19 +33,19 @@ auto with_itk(Fault fault, const fs::path& file, const char* activity, F&& work)
   }
 }
 
-itk::ImageIOBase::Pointer reader_for(const fs::path& file) {
-  const itk::ImageIOBase::Pointer all[] = {itk::NiftiImageIO::New().GetPointer(),
-                                           itk::NrrdImageIO::New().GetPointer(),
-                                           itk::MetaImageIO::New().GetPointer()};
-  for (const auto& one : all) {
-    if (one->CanReadFile(file.c_str())) {
-      one->SetFileName(file.string());
-      one->ReadImageInformation();
-      return one;
-    }
+itk::ImageIOBase::Pointer io_for(const fs::path& file, Fault fault) {
+  const std::string name = file.filename().string();
+  if (name.ends_with(".nii.gz") || name.ends_with(".nii")) {
+    return itk::NiftiImageIO::New().GetPointer();
   }
-  throw Error(Fault::Input, fmt::format("{} is not an image this program reads", file.string()),
-              fmt::format("convert it to {}", formats));
+  if (name.ends_with(".nrrd")) {
+    return itk::NrrdImageIO::New().GetPointer();
+  }
+  if (name.ends_with(".mha")) {
+    return itk::MetaImageIO::New().GetPointer();
+  }
+  throw Error(fault, fmt::format("{} is not named as an image", file.string()),
+              "images are NIfTI (.nii.gz, .nii), NRRD (.nrrd) or MetaImage (.mha)");
 }
 
 void require_scalar_volume(const itk::ImageIOBase& io, const fs::path& file) {
@@ -75,21 +75,6 @@ Image3<T> from_itk(const itk::Image<T, 3>& image) {
   return result;
 }
 
-itk::ImageIOBase::Pointer writer_for(const fs::path& file) {
-  const std::string name = file.filename().string();
-  if (name.ends_with(".nii.gz") || name.ends_with(".nii")) {
-    return itk::NiftiImageIO::New().GetPointer();
-  }
-  if (name.ends_with(".nrrd")) {
-    return itk::NrrdImageIO::New().GetPointer();
-  }
-  if (name.ends_with(".mha")) {
-    return itk::MetaImageIO::New().GetPointer();
-  }
-  throw Error(Fault::Usage, fmt::format("{} has no image extension", file.string()),
-              "name it .nii.gz, .nii, .nrrd or .mha");
-}
-
 /// A view of our voxels as an ITK image; the voxels stay ours.
 template <class T>
 typename itk::ImportImageFilter<T, 3>::Pointer as_itk(const Image3<T>& image) {
@@ -115,7 +100,7 @@ void write(const Image3<T>& image, const fs::path& file) {
   ensure(image.voxels.size() == image.index(0, 0, image.size[2]),
          "image for {} has {} voxels, not {}", file.string(), image.voxels.size(),
          image.index(0, 0, image.size[2]));
-  const auto io = writer_for(file);
+  const auto io = io_for(file, Fault::Usage);
   write_aside(file, [&](const fs::path& aside) {
     with_itk(Fault::Resource, file, "write", [&] {
       const auto source = as_itk(image);
@@ -126,6 +111,10 @@ void write(const Image3<T>& image, const fs::path& file) {
       writer->SetUseCompression(true);
       writer->Update();
     });
+    if (!is_complete(aside, image.voxels.size() * sizeof(T))) {
+      throw Error(Fault::Resource, fmt::format("cannot write {} completely", file.string()),
+                  "free some disk space and run again");
+    }
   });
 }
 
@@ -134,8 +123,13 @@ void write(const Image3<T>& image, const fs::path& file) {
 Image3<float> read_image(const fs::path& file) {
   require(fs::is_regular_file(file), "image {} does not exist", file.string());
   return with_itk(Fault::Input, file, "read", [&] {
-    const auto io = reader_for(file);
+    const auto io = io_for(file, Fault::Input);
+    require(io->CanReadFile(file.c_str()), "{} is not what its extension says", file.string());
+    io->SetFileName(file.string());
+    io->ReadImageInformation();
     require_scalar_volume(*io, file);
+    require(is_complete(file, static_cast<std::uint64_t>(io->GetImageSizeInBytes())),
+            "{} is cut off or damaged; copy it again", file.string());
     auto reader = itk::ImageFileReader<itk::Image<float, 3>>::New();
     reader->SetImageIO(io);
     reader->SetFileName(file.string());

@@ -18,7 +18,8 @@ enum class LengthUnit { Metre, Millimetre };
 /// and what is missing.
 TetMesh read_msh(const std::filesystem::path& file, LengthUnit unit);
 
-/// Arrays that ParaView shows without settings. Values are per point or per cell, 1 or 3 components.
+/// Arrays that ParaView shows without settings. Values are per point or per cell, 1 or 3
+/// components.
 struct Field {
   std::string name;
   int components = 1;

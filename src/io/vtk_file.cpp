@@ -2,7 +2,6 @@
 // a full disk is noticed and named.
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
-#include <vtkCommand.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
 #include <vtkIdList.h>
@@ -103,11 +102,15 @@ std::string text_of(vtkDataObject& data, const char* name) {
 }
 
 /// Keeps VTK's complaints out of the terminal; we have our own message.
-class Quiet final : public vtkCommand {
+class QuietVtk {
  public:
-  static Quiet* New() { return new Quiet; }
-  void Execute(vtkObject*, unsigned long, void*) override { heard = true; }
-  bool heard = false;
+  QuietVtk() { vtkObject::GlobalWarningDisplayOff(); }
+  ~QuietVtk() { vtkObject::SetGlobalWarningDisplay(before_); }
+  QuietVtk(const QuietVtk&) = delete;
+  QuietVtk& operator=(const QuietVtk&) = delete;
+
+ private:
+  int before_ = vtkObject::GetGlobalWarningDisplay();
 };
 
 }  // namespace
@@ -156,14 +159,13 @@ void write_pvd(const std::vector<std::pair<double, std::string>>& steps, const f
 
 TriMesh read_surface_vtp(const fs::path& file) {
   require(fs::is_regular_file(file), "surface {} does not exist", file.string());
+  const QuietVtk quiet;
   vtkNew<vtkXMLPolyDataReader> reader;
-  vtkNew<Quiet> quiet;
-  reader->AddObserver(vtkCommand::ErrorEvent, quiet);
   reader->SetFileName(file.c_str());
   reader->Update();
   vtkPolyData& data = *reader->GetOutput();
-  require(!quiet->heard && data.GetNumberOfPolys() > 0, "{} is not a VTP surface with triangles",
-          file.string());
+  require(reader->GetErrorCode() == 0 && data.GetNumberOfPolys() > 0,
+          "{} is not a VTP surface with triangles", file.string());
   const std::string space = text_of(data, space_key);
   require(space.empty() || space == "LPS", "{} is in {} coordinates; LPS is needed", file.string(),
           space);

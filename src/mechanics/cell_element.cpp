@@ -21,11 +21,11 @@ struct Local {
 /// Everything about one quadrature point that both directions need.
 template <std::size_t Nodes>
 struct Point {
-  double volume;                   // weight in the known configuration [m3]
-  std::array<double, Nodes> N;     // basis values
-  std::array<double, 4> Np;        // pressure basis values
-  std::array<Vec3, Nodes> G;       // gradients in the known configuration [1/m]
-  Mat3 H;                          // d sought / d known
+  double volume;                // weight in the known configuration [m3]
+  std::array<double, Nodes> N;  // basis values
+  std::array<double, 4> Np;     // pressure basis values
+  std::array<Vec3, Nodes> G;    // gradients in the known configuration [1/m]
+  Mat3 H;                       // d sought / d known
   double p;
 };
 
@@ -216,7 +216,9 @@ struct PressureMass {
 
 /// Shear modulus that sets the size of the stabilisation: at full integrity, because a fresh wound
 /// (1 % of it) would otherwise be forced to constant pressure.
-double stabilising_shear(const Tissue& t) { return 2.0 * (t.c1 + t.c2) + t.active_stress; }
+double stabilising_shear(const Tissue& t) {
+  return 2.0 * (t.c1 + t.c2) + t.active_stress;
+}
 
 /// B = M/kappa + tau (M - m m^T/V) for an affine cell with constant measure V.
 PressureMass affine_pressure_block(const Tissue& tissue, double V) {
@@ -284,8 +286,8 @@ double cell_element(const CellInput& in, std::span<double> residual, std::span<d
   double smallest = std::numeric_limits<double>::infinity();
   for (const auto& q : rule<Nodes>()) {
     const Point<Nodes> at = make_point<Nodes>(in, q);
-    const double J = in.unknown == Unknown::Deformed ? add_forward(in, at, out)
-                                                      : add_inverse(in, at, out);
+    const double J =
+        in.unknown == Unknown::Deformed ? add_forward(in, at, out) : add_inverse(in, at, out);
     smallest = std::min(smallest, J);
     if (!(J > 0.0)) {
       return J;

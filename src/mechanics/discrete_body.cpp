@@ -1,9 +1,9 @@
 #include "mechanics/discrete_body.hpp"
 
-#include <mpi.h>
-
 #include <algorithm>
 #include <limits>
+
+#include <mpi.h>
 
 #include "core/error.hpp"
 #include "mechanics/mooney_rivlin.hpp"
@@ -13,7 +13,9 @@ namespace sanatrix::mechanics {
 
 namespace {
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 std::vector<Vec3> with_midpoints(std::span<const Vec3> vertices, const fem::EdgeTable& edges) {
   std::vector<Vec3> nodes(vertices.begin(), vertices.end());
@@ -44,7 +46,8 @@ DiscreteBody::DiscreteBody(const Body& body) : body_(body) {
     node_count_ += edges_.edges.size();
     for (const auto& face : body_.skin_faces) {
       const auto& v = face.vertex;
-      face_edges_.push_back({edges_.find(v[0], v[1]), edges_.find(v[1], v[2]), edges_.find(v[2], v[0])});
+      face_edges_.push_back(
+          {edges_.find(v[0], v[1]), edges_.find(v[1], v[2]), edges_.find(v[2], v[0])});
     }
   }
   std::vector<int> node_dofs(node_count_, 3);
@@ -72,8 +75,9 @@ DiscreteBody::DiscreteBody(const Body& body) : body_(body) {
 }
 
 int DiscreteBody::node_of_cell(std::size_t cell, std::size_t local) const {
-  return local < 4 ? body_.mesh->cells[cell][local]
-                   : static_cast<int>(body_.mesh->points.size()) + edges_.cell_edges[cell][local - 4];
+  return local < 4
+             ? body_.mesh->cells[cell][local]
+             : static_cast<int>(body_.mesh->points.size()) + edges_.cell_edges[cell][local - 4];
 }
 
 int DiscreteBody::node_of_face(std::size_t face, std::size_t local) const {
@@ -170,8 +174,8 @@ bool DiscreteBody::evaluate(const State& state, bool with_matrix, bool at_rest) 
       p[a] = state.pressure[index(body_.mesh->cells[c][a])];
     }
     const CellInput in{unknown_, known, sought, p, body_.tissue[c], gravity_};
-    min_J[index(e)] = cell_element<CellNodes>(in, sparse.vector_block(e),
-                                              with_matrix ? sparse.matrix_block(e) : std::span<double>{});
+    min_J[index(e)] = cell_element<CellNodes>(
+        in, sparse.vector_block(e), with_matrix ? sparse.matrix_block(e) : std::span<double>{});
   }
 #pragma omp parallel for schedule(static)
   for (int f = 0; f < n_faces; ++f) {
@@ -183,8 +187,8 @@ bool DiscreteBody::evaluate(const State& state, bool with_matrix, bool at_rest) 
       known[a] = known_[node];
       sought[a] = state.nodes[node];
     }
-    const FaceInput in{unknown_, known, sought, body_.skins[index(body_.skin_faces[s].law)], gravity_,
-                       at_rest};
+    const FaceInput in{unknown_, known,  sought, body_.skins[index(body_.skin_faces[s].law)],
+                       gravity_, at_rest};
     face_element<FaceNodes>(in, sparse.vector_block(n_cells + f),
                             with_matrix ? sparse.matrix_block(n_cells + f) : std::span<double>{});
   }
@@ -239,7 +243,9 @@ fem::LinearReport DiscreteBody::solve(std::span<const double> b, double relative
   return system().solve(b, relative_tolerance, x);
 }
 
-void DiscreteBody::forget_factorisation() { system().forget_factorisation(); }
+void DiscreteBody::forget_factorisation() {
+  system().forget_factorisation();
+}
 
 State DiscreteBody::moved(const State& state, std::span<const double> d, double alpha) const {
   State next = state;

@@ -5,8 +5,8 @@
 
 #include <span>
 
-#include "mechanics/material.hpp"
 #include "geometry/vec3.hpp"
+#include "mechanics/material.hpp"
 
 namespace sanatrix::mechanics {
 
@@ -20,11 +20,12 @@ struct CellInput {
   std::span<const Vec3> known, sought;  ///< node positions [m]
   std::array<double, 4> pressure;       ///< at the vertices [Pa]
   Tissue tissue;
-  Vec3 gravity;                         ///< [m/s2]
+  Vec3 gravity;  ///< [m/s2]
 };
 
 /// Weak form of Eq. (8) with pressure p as an independent field:
-///   R_u = int P : grad(w) dV - int rho g . w dV,   R_p = int q (J - 1 - p/kappa) dV - stabilisation,
+///   R_u = int P : grad(w) dV - int rho g . w dV,   R_p = int q (J - 1 - p/kappa) dV -
+///   stabilisation,
 /// with the polynomial pressure projection of Bochev and Dohrmann for P1/P1
 /// (doi:10.1137/S0036142905444482), integrated in the reference measure.
 /// Unknowns: displacement node-major xyz, then 4 pressures. residual: 3 Nodes + 4; matrix: its

@@ -44,9 +44,9 @@ struct FacePoint {
   TriangleBasis<Nodes> basis;
   double weight;
   Tangents deformed, reference;
-  Jet<6> energy;                     // forces
-  Jet<6> tangent;                    // second derivatives used in the matrix
-  std::array<double, 4> area;        // sqrt(det A) and its derivatives
+  Jet<6> energy;               // forces
+  Jet<6> tangent;              // second derivatives used in the matrix
+  std::array<double, 4> area;  // sqrt(det A) and its derivatives
 };
 
 template <std::size_t Nodes>
@@ -58,8 +58,8 @@ void add_forces(const FaceInput& in, const FacePoint<Nodes>& at, std::span<doubl
   for (std::size_t a = 0; a < Nodes; ++a) {
     const auto& dN = at.basis.derivative[a];
     for (std::size_t i = 0; i < 3; ++i) {
-      residual[3 * a + i] += at.weight * (dN[0] * n1[i] + dN[1] * n2[i]) -
-                             mass * at.basis.value[a] * in.gravity[i];
+      residual[3 * a + i] +=
+          at.weight * (dN[0] * n1[i] + dN[1] * n2[i]) - mass * at.basis.value[a] * in.gravity[i];
     }
   }
 }
@@ -72,8 +72,8 @@ void add_deformed_tangent(const FacePoint<Nodes>& at, std::span<double> matrix) 
     const auto& da = at.basis.derivative[a];
     for (std::size_t b = 0; b < Nodes; ++b) {
       const auto& db = at.basis.derivative[b];
-      const double geometric = 2.0 * e[0] * da[0] * db[0] +
-                               e[1] * (da[0] * db[1] + da[1] * db[0]) + 2.0 * e[2] * da[1] * db[1];
+      const double geometric = 2.0 * e[0] * da[0] * db[0] + e[1] * (da[0] * db[1] + da[1] * db[0]) +
+                               2.0 * e[2] * da[1] * db[1];
       for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t k = 0; k < 3; ++k) {
           double v = i == k ? geometric : 0.0;
@@ -142,7 +142,11 @@ void face_element(const FaceInput& in, std::span<double> residual, std::span<dou
     const Tangents reference = tangents<Nodes>(forward ? in.known : in.sought, basis);
     const Metrics metrics{deformed.metric(), reference.metric()};
     const Jet<6> e = membrane_energy(in.skin, metrics);
-    const FacePoint<Nodes> at{basis, 0.5 * q.weight, deformed, reference, e,
+    const FacePoint<Nodes> at{basis,
+                              0.5 * q.weight,
+                              deformed,
+                              reference,
+                              e,
                               in.tangent_at_rest ? membrane_energy_at_rest(in.skin, metrics) : e,
                               reference_area(metrics)};
     add_forces(in, at, residual);

@@ -11,7 +11,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-double value(const Json& group, const char* key) { return group.at(key).at("value").get<double>(); }
+double value(const Json& group, const char* key) {
+  return group.at(key).at("value").get<double>();
+}
 
 Tissue tissue(const Json& group) {
   Tissue t;
@@ -50,7 +52,9 @@ TissuePreset tissue_preset(const std::string& name) {
 
 Tissue mix(const Tissue& a, const Tissue& b, double fraction_of_b) {
   const double s = fraction_of_b;
-  const auto mean = [s](double x, double y) { return (1.0 - s) * x + s * y; };
+  const auto mean = [s](double x, double y) {
+    return (1.0 - s) * x + s * y;
+  };
   return {mean(a.c1, b.c1),
           mean(a.c2, b.c2),
           1.0 / mean(1.0 / a.kappa, 1.0 / b.kappa),

@@ -17,12 +17,12 @@ struct Tissue {
 
 /// Veronda-Westmann membrane, Eq. (10): W = alpha (exp(beta (I1 - 3)) - 1) + c2 (I2 - 3).
 struct Skin {
-  double alpha = 3940.0;           ///< [Pa]
-  double beta = 5.03;              ///< [-]
-  double c2 = -9909.1;             ///< [Pa]; -alpha beta / 2, see models/tissue
-  double thickness = 1.5e-3;       ///< [m]
-  double density = 1100.0;         ///< [kg/m3]
-  bool tension_field = true;       ///< relaxed energy: no compressive stress (Pipkin 1986)
+  double alpha = 3940.0;      ///< [Pa]
+  double beta = 5.03;         ///< [-]
+  double c2 = -9909.1;        ///< [Pa]; -alpha beta / 2, see models/tissue
+  double thickness = 1.5e-3;  ///< [m]
+  double density = 1100.0;    ///< [kg/m3]
+  bool tension_field = true;  ///< relaxed energy: no compressive stress (Pipkin 1986)
 };
 
 /// A named set of tissue values: models/tissue/*.json, each value with status and source.
@@ -31,7 +31,8 @@ struct TissuePreset {
   Tissue adipose, fibroglandular;
   Skin skin;
 };
-/// "vavourakis2016" (default) and the alternates of PARAMETERS.md section 3; Error{Input} otherwise.
+/// "vavourakis2016" (default) and the alternates of PARAMETERS.md section 3; Error{Input}
+/// otherwise.
 TissuePreset tissue_preset(const std::string& name);
 /// Mixture by volume fraction: shear moduli and density by the arithmetic mean, the bulk modulus by
 /// the harmonic mean (volume changes add up under a common pressure).

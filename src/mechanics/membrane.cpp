@@ -57,8 +57,9 @@ J6 energy_in_state(const Skin& skin, const Metrics& m, MembraneState state) {
     const J6 per_det = reciprocal(det);
     return weight * veronda_westmann(skin, trace + per_det, det + trace * per_det);
   }
-  // Uniaxial tension, lambda2 = lambda3 = lambda1^-1/2: I1 = mu + 2/sqrt(mu), I2 = 2 sqrt(mu) + 1/mu
-  // The discriminant as a sum of products of small terms: trace^2 - 4 det would cancel near rest.
+  // Uniaxial tension, lambda2 = lambda3 = lambda1^-1/2: I1 = mu + 2/sqrt(mu), I2 = 2 sqrt(mu) +
+  // 1/mu The discriminant as a sum of products of small terms: trace^2 - 4 det would cancel near
+  // rest.
   const J6 m12 = (A22 * a12 - A12 * a22) * per_det_A;
   const J6 m21 = (A11 * a12 - A12 * a11) * per_det_A;
   const J6 mu = 0.5 * (trace + sqrt((m11 - m22) * (m11 - m22) + 4.0 * (m12 * m21)));

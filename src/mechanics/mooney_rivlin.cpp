@@ -4,7 +4,9 @@ namespace sanatrix::mechanics {
 
 namespace {
 
-double squared_norm(const Mat3& m) { return dot(m[0], m[0]) + dot(m[1], m[1]) + dot(m[2], m[2]); }
+double squared_norm(const Mat3& m) {
+  return dot(m[0], m[0]) + dot(m[1], m[1]) + dot(m[2], m[2]);
+}
 
 /// What stress and tangent share: invariants and the derivatives of Ibar1 and Ibar2.
 struct Invariants {
@@ -66,12 +68,11 @@ void stress_tangent(const Tissue& tissue, const Mat3& F, double p, const StressP
     for (std::size_t J = 0; J < 3; ++J) {
       for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t L = 0; L < 3; ++L) {
-          double a = -4.0 / 3.0 * c1 * v.j1 * F[i][J] * B[k][L] -
-                     2.0 / 3.0 * c1 * B[i][J] * v.P1[k][L] -
-                     4.0 / 3.0 * c2 * v.j2 * v.M[i][J] * B[k][L] -
-                     4.0 / 3.0 * c2 * B[i][J] * v.P2[k][L] +
-                     c2 * v.j2 * (4.0 * F[i][J] * F[k][L] - 2.0 * F[i][L] * F[k][J]) +
-                     swap * B[i][L] * B[k][J] + pJ * B[i][J] * B[k][L];
+          double a =
+              -4.0 / 3.0 * c1 * v.j1 * F[i][J] * B[k][L] - 2.0 / 3.0 * c1 * B[i][J] * v.P1[k][L] -
+              4.0 / 3.0 * c2 * v.j2 * v.M[i][J] * B[k][L] - 4.0 / 3.0 * c2 * B[i][J] * v.P2[k][L] +
+              c2 * v.j2 * (4.0 * F[i][J] * F[k][L] - 2.0 * F[i][L] * F[k][J]) +
+              swap * B[i][L] * B[k][J] + pJ * B[i][J] * B[k][L];
           if (i == k) {
             a -= 2.0 * c2 * v.j2 * v.C[L][J];
           }

@@ -11,9 +11,9 @@ namespace sanatrix::mechanics {
 using Tangent9 = std::array<std::array<double, 9>, 9>;
 
 struct StressPoint {
-  double J;        ///< det F
-  Mat3 F_inv_t;    ///< F^-T
-  Mat3 P;          ///< first Piola-Kirchhoff stress, pressure included [Pa]
+  double J;      ///< det F
+  Mat3 F_inv_t;  ///< F^-T
+  Mat3 P;        ///< first Piola-Kirchhoff stress, pressure included [Pa]
 };
 
 /// P = integrity dWiso/dF + T F + p J F^-T. F must have det > 0.

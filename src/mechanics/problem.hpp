@@ -1,5 +1,5 @@
-// Quasi-static equilibrium of a soft body with a skin under gravity: forward (reference shape known)
-// and inverse (loaded shape known). Eq. (8), doi:10.1371/journal.pone.0159766.
+// Quasi-static equilibrium of a soft body with a skin under gravity: forward (reference shape
+// known) and inverse (loaded shape known). Eq. (8), doi:10.1371/journal.pone.0159766.
 #pragma once
 
 #include <array>
@@ -16,18 +16,19 @@ namespace sanatrix::mechanics {
 
 enum class Element { P1P1, P2P1 };  ///< P1/P1 with pressure projection; Taylor-Hood
 
-/// A body: topology, tissue per cell, skin per face, supports. Shapes are given to the solver apart.
+/// A body: topology, tissue per cell, skin per face, supports. Shapes are given to the solver
+/// apart.
 struct Body {
   const TetMesh* mesh = nullptr;
   Element element = Element::P1P1;
-  std::vector<Tissue> tissue;                 ///< per cell
+  std::vector<Tissue> tissue;  ///< per cell
   struct SkinFace {
     std::array<int, 3> vertex;
-    int law;                                  ///< index into skins
+    int law;  ///< index into skins
   };
   std::vector<SkinFace> skin_faces;
   std::vector<Skin> skins;
-  std::vector<std::uint8_t> fixed;            ///< per vertex: bit 0 x, bit 1 y, bit 2 z held at 0
+  std::vector<std::uint8_t> fixed;  ///< per vertex: bit 0 x, bit 1 y, bit 2 z held at 0
 };
 
 /// Node positions of the element: vertices first, then (P2) one node per edge in `edges` order.
@@ -39,14 +40,14 @@ struct Shape {
 struct SolveOptions {
   double relative_tolerance = 1e-9;  ///< of the scaled residual against the load
   int max_newton = 40;
-  int max_halvings = 8;              ///< of the load step
+  int max_halvings = 8;  ///< of the load step
 };
 
 struct SolveReport {
   bool converged = false;
   int newton_iterations = 0, krylov_iterations = 0, factorisations = 0, load_steps = 0;
-  double last_residual = 0.0;        ///< scaled
-  double min_jacobian = 0.0;         ///< of cells, det dx/dX
+  double last_residual = 0.0;  ///< scaled
+  double min_jacobian = 0.0;   ///< of cells, det dx/dX
   double seconds_assembly = 0.0, seconds_linear = 0.0, seconds_total = 0.0;
 };
 

@@ -1,4 +1,5 @@
-// Steps C and D: labels -> a tetrahedral two-breast model with tissue per cell and named boundaries.
+// Steps C and D: labels -> a tetrahedral two-breast model with tissue per cell and named
+// boundaries.
 #pragma once
 
 #include <optional>
@@ -18,20 +19,21 @@ struct Focus {
 };
 
 struct MeshOptions {
-  int target_vertices = 10000;    ///< the achieved number is within 15 % of it where the shape allows
-  double near_edge_m = 0.003;     ///< edge length in the focus, upper bound
-  double far_edge_m = 0.008;      ///< edge length far from the focus; scaled to meet target_vertices
+  int target_vertices = 10000;  ///< the achieved number is within 15 % of it where the shape allows
+  double near_edge_m = 0.003;   ///< edge length in the focus, upper bound
+  double far_edge_m = 0.008;    ///< edge length far from the focus; scaled to meet target_vertices
   std::optional<Focus> focus;
-  double time_limit_s = 120.0;    ///< Error{Resource} beyond it
+  double time_limit_s = 120.0;      ///< Error{Resource} beyond it
   double slab_half_height_m = 0.0;  ///< 0: chosen from the extent of the breasts
 };
 
 /// The geometrical and tissue model of the prone patient.
 struct BreastModel {
-  TetMesh mesh;  ///< one region "breast"; boundaries skin, chest, superior, inferior, lateral, posterior
+  TetMesh mesh;  ///< one region "breast"; boundaries skin, chest, superior, inferior, lateral,
+                 ///< posterior
   std::vector<double> fibroglandular;  ///< volume fraction per cell, 0..1
   std::vector<signed char> side;       ///< per cell: -1 patient's right, +1 patient's left
-  std::vector<bool> in_breast;         ///< per cell: inside the breast proper (not flank, not sternum)
+  std::vector<bool> in_breast;  ///< per cell: inside the breast proper (not flank, not sternum)
   double midline_x_m = 0.0;
   std::array<int, 2> nipple_vertex{};  ///< [0] right, [1] left: skin vertex nearest to the landmark
   std::vector<std::string> warnings;
@@ -45,8 +47,9 @@ BreastModel mesh_breasts(const LabelImage& labels, const Image3<float>& fibrogla
 struct MeshQuality {
   double min_dihedral_deg, p01_dihedral_deg;
   double min_edge_m, mean_edge_m, max_edge_m;
-  double mean_edge_in_focus_m;   ///< 0 without focus
-  double skin_roughness_deg;     ///< 95th percentile of the angle between normals of adjacent skin faces
+  double mean_edge_in_focus_m;  ///< 0 without focus
+  double
+      skin_roughness_deg;  ///< 95th percentile of the angle between normals of adjacent skin faces
 };
 MeshQuality measure_quality(const BreastModel& model, const std::optional<Focus>& focus);
 

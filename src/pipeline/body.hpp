@@ -1,4 +1,5 @@
-// The patient as a mechanical body: tissue, skin and supports (Fig 3 of doi:10.1371/journal.pone.0159766).
+// The patient as a mechanical body: tissue, skin and supports (Fig 3 of
+// doi:10.1371/journal.pone.0159766).
 #pragma once
 
 #include "mechanics/problem.hpp"
@@ -14,8 +15,8 @@ inline constexpr Vec3 gravity_upright{0, 0, -standard_gravity};
 
 /// The tissue preset with the values given for this case.
 mechanics::TissuePreset tissue_values(const Parameters& parameters);
-/// Chest fixed, superior and inferior cuts held along the axis, all else free; membrane on the skin.
-/// `model` must outlive the body.
+/// Chest fixed, superior and inferior cuts held along the axis, all else free; membrane on the
+/// skin. `model` must outlive the body.
 mechanics::Body make_body(const meshing::BreastModel& model, const Parameters& parameters);
 mechanics::SolveOptions solve_options(const Parameters& parameters);
 

@@ -1,12 +1,11 @@
 #include "pipeline/case.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 
+#include <fcntl.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "core/error.hpp"
 #include "core/files.hpp"
@@ -40,8 +39,8 @@ InputFile take_in(const fs::path& from, const fs::path& folder, const std::strin
     std::error_code problem;
     fs::copy_file(from, aside, fs::copy_options::overwrite_existing, problem);
     if (problem) {
-      throw Error(Fault::Resource, fmt::format("{}: cannot be written: {}", input.file,
-                                               problem.message()),
+      throw Error(Fault::Resource,
+                  fmt::format("{}: cannot be written: {}", input.file, problem.message()),
                   "check the free space and the permissions of the case folder");
     }
     fs::permissions(aside, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
@@ -49,7 +48,9 @@ InputFile take_in(const fs::path& from, const fs::path& folder, const std::strin
   return input;
 }
 
-json to_json(const Vec3& v) { return json::array({v[0], v[1], v[2]}); }
+json to_json(const Vec3& v) {
+  return json::array({v[0], v[1], v[2]});
+}
 
 json to_json(const FocusRule& rule) {
   json j{{"side", rule.side == surgery::Side::Left ? "L" : "R"}, {"radius_m", rule.radius}};
@@ -76,8 +77,9 @@ FocusRule focus_from(const json& j) {
 
 Case case_from(const json& j, const fs::path& folder) {
   require(j.at("format") == "sanatrix-case", "this is not the case.json of Sanatrix");
-  require(j.at("version") == format_version, "the case has format version {}, this program reads {}",
-          j.at("version").dump(), format_version);
+  require(j.at("version") == format_version,
+          "the case has format version {}, this program reads {}", j.at("version").dump(),
+          format_version);
   Case patient;
   patient.folder = folder;
   patient.pseudonym = j.at("pseudonym");
@@ -94,13 +96,19 @@ Case case_from(const json& j, const fs::path& folder) {
   return patient;
 }
 
-void check_plan(const fs::path& file) { surgery::read_plan(read_text(file), file.filename()); }
+void check_plan(const fs::path& file) {
+  surgery::read_plan(read_text(file), file.filename());
+}
 
 }  // namespace
 
-fs::path Case::input(const std::string& name) const { return folder / inputs.at(name).file; }
+fs::path Case::input(const std::string& name) const {
+  return folder / inputs.at(name).file;
+}
 
-fs::path Case::stage_folder(Stage stage) const { return folder / "stages" / info(stage).folder; }
+fs::path Case::stage_folder(Stage stage) const {
+  return folder / "stages" / info(stage).folder;
+}
 
 surgery::Plan Case::plan() const {
   if (!has_plan()) {
@@ -135,8 +143,8 @@ Case create_case(const fs::path& folder, const NewCase& given) {
   fs::remove_all(aside, problem);
   fs::create_directories(aside / "inputs", problem);
   if (problem) {
-    throw Error(Fault::Resource, fmt::format("{}: cannot be created: {}",
-                                             final.filename().string(), problem.message()));
+    throw Error(Fault::Resource, fmt::format("{}: cannot be created: {}", final.filename().string(),
+                                             problem.message()));
   }
   Case patient;
   patient.folder = aside;
@@ -160,8 +168,8 @@ Case create_case(const fs::path& folder, const NewCase& given) {
 Case open_case(const fs::path& folder) {
   const fs::path file = folder / "case.json";
   if (!fs::exists(file)) {
-    throw Error(Fault::Input, fmt::format("{} is not a case: it has no case.json",
-                                          folder.filename().string()),
+    throw Error(Fault::Input,
+                fmt::format("{} is not a case: it has no case.json", folder.filename().string()),
                 "make one with `sanatrix new CASE --labels FILE`");
   }
   const std::string text = read_text(file);
@@ -175,12 +183,9 @@ Case open_case(const fs::path& folder) {
 }
 
 void save_case(const Case& patient) {
-  json j{{"format", "sanatrix-case"},
-         {"version", format_version},
-         {"pseudonym", patient.pseudonym},
-         {"label_preset", patient.label_preset},
-         {"inputs", json::object()},
-         {"parameters", patient.parameters.given()}};
+  json j{{"format", "sanatrix-case"},      {"version", format_version},
+         {"pseudonym", patient.pseudonym}, {"label_preset", patient.label_preset},
+         {"inputs", json::object()},       {"parameters", patient.parameters.given()}};
   for (const auto& [name, input] : patient.inputs) {
     j["inputs"][name] = {{"file", input.file}, {"sha256", input.sha256}};
   }
@@ -219,8 +224,8 @@ CaseLock::CaseLock(const fs::path& folder) {
   const fs::path file = folder / ".lock";
   file_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (file_ < 0) {
-    throw Error(Fault::Resource, fmt::format("the case folder cannot be written: {}",
-                                             std::strerror(errno)));
+    throw Error(Fault::Resource,
+                fmt::format("the case folder cannot be written: {}", std::strerror(errno)));
   }
   // A record lock: not inherited by child processes, gone when this process is gone.
   struct flock lock {};
@@ -235,6 +240,8 @@ CaseLock::CaseLock(const fs::path& folder) {
   }
 }
 
-CaseLock::~CaseLock() { ::close(file_); }
+CaseLock::~CaseLock() {
+  ::close(file_);
+}
 
 }  // namespace sanatrix::pipeline

@@ -20,11 +20,11 @@ struct InputFile {
 
 struct Case {
   std::filesystem::path folder;
-  std::string pseudonym;                    ///< made from the labels' hash; no name of anybody
+  std::string pseudonym;  ///< made from the labels' hash; no name of anybody
   std::string label_preset = "sanatrix";
   std::map<std::string, InputFile> inputs;  ///< "labels", and perhaps "image", "plan"
   Parameters parameters;
-  std::optional<FocusRule> focus;           ///< where the mesh is fine; follows the plan lazily
+  std::optional<FocusRule> focus;  ///< where the mesh is fine; follows the plan lazily
 
   [[nodiscard]] bool has_plan() const { return inputs.contains("plan"); }
   [[nodiscard]] std::filesystem::path input(const std::string& name) const;

@@ -7,9 +7,9 @@
 namespace sanatrix::pipeline {
 namespace {
 
-constexpr double reach_out = 0.010;     // [m] beyond the fine zone where the mesh is still graded
-constexpr double longest_axis = 0.15;   // [m] search for skin and chest wall along the axis
-constexpr double half_length = 0.05;    // [m] of a typical resection: lever arm of a tilted axis
+constexpr double reach_out = 0.010;    // [m] beyond the fine zone where the mesh is still graded
+constexpr double longest_axis = 0.15;  // [m] search for skin and chest wall along the axis
+constexpr double half_length = 0.05;   // [m] of a typical resection: lever arm of a tilted axis
 
 double planned_radius(const surgery::Plan& plan) {
   return plan.radius.value_or(plan.tumour_radius + plan.margin);
@@ -117,8 +117,9 @@ FocusRule follow(const std::optional<FocusRule>& old, const surgery::Plan& plan)
 
 std::optional<meshing::Focus> place(const FocusRule& rule, const LabelImage& labels,
                                     double midline_x_mm) {
-  const std::optional<Vec3> centre =
-      rule.centre ? std::optional(1e3 * *rule.centre) : labelled_tumour_mm(labels, rule.side, midline_x_mm);
+  const std::optional<Vec3> centre = rule.centre
+                                         ? std::optional(1e3 * *rule.centre)
+                                         : labelled_tumour_mm(labels, rule.side, midline_x_mm);
   if (!centre) {
     return std::nullopt;
   }

@@ -11,10 +11,11 @@ namespace sanatrix::pipeline {
 
 /// What the plan says about the place, before any anatomy is known. [m], LPS, prone
 struct FocusRule {
-  std::optional<Vec3> centre;  ///< nothing: the labelled tumour of this side (plans drawn in supine)
-  std::optional<Vec3> axis;    ///< towards the skin; nothing: away from the nearest chest wall
+  std::optional<Vec3>
+      centre;                ///< nothing: the labelled tumour of this side (plans drawn in supine)
+  std::optional<Vec3> axis;  ///< towards the skin; nothing: away from the nearest chest wall
   surgery::Side side = surgery::Side::Left;
-  double radius = 0.0;         ///< fine within this distance of the resection's axis
+  double radius = 0.0;  ///< fine within this distance of the resection's axis
 };
 
 /// The old rule while the plan's resection lies inside it (or reaches at most 10 mm out, where the

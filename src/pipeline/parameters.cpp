@@ -16,8 +16,8 @@ namespace {
 
 ParameterInfo number(std::string key, std::string standard, double min, double max,
                      std::string unit, std::string doc) {
-  return {std::move(key), Kind::Number, std::move(standard), min, max, std::move(unit), {},
-          std::move(doc)};
+  return {std::move(key),  Kind::Number, std::move(standard), min, max,
+          std::move(unit), {},           std::move(doc)};
 }
 ParameterInfo integer(std::string key, std::string standard, double min, double max,
                       std::string doc) {
@@ -25,8 +25,8 @@ ParameterInfo integer(std::string key, std::string standard, double min, double 
 }
 ParameterInfo choice(std::string key, std::vector<std::string> choices, std::string doc,
                      std::string standard) {
-  return {std::move(key), Kind::Choice, std::move(standard), 0, 0, "", std::move(choices),
-          std::move(doc)};
+  return {std::move(key),     Kind::Choice,  std::move(standard), 0, 0, "",
+          std::move(choices), std::move(doc)};
 }
 ParameterInfo text(std::string key, std::string standard, std::string doc) {
   return {std::move(key), Kind::Text, std::move(standard), 0, 0, "", {}, std::move(doc)};
@@ -60,10 +60,12 @@ void add_body(std::vector<ParameterInfo>& t) {
   }
   t.push_back(choice("skin.enabled", {"yes", "no"}, "is there a skin membrane?", "yes"));
   t.push_back(number("skin.thickness_mm", "", 0.1, 5, "mm", "skin thickness (default: preset)"));
-  t.push_back(number("skin.alpha_pa", "", 0, 1e8, "Pa", "Veronda-Westmann alpha (default: preset)"));
+  t.push_back(
+      number("skin.alpha_pa", "", 0, 1e8, "Pa", "Veronda-Westmann alpha (default: preset)"));
   t.push_back(number("skin.beta", "", 0, 50, "", "Veronda-Westmann beta (default: preset)"));
-  t.push_back(number("skin.c2_pa", "", -1e8, 1e8, "Pa",
-                     "Veronda-Westmann c2 (default: preset; -alpha beta / 2 is stress-free at rest)"));
+  t.push_back(
+      number("skin.c2_pa", "", -1e8, 1e8, "Pa",
+             "Veronda-Westmann c2 (default: preset; -alpha beta / 2 is stress-free at rest)"));
   t.push_back(
       number("skin.density_kg_m3", "", 100, 3000, "kg/m3", "skin density (default: preset)"));
   t.push_back(choice("skin.tension_field", {"yes", "no"},
@@ -205,6 +207,8 @@ double Parameters::number(const std::string& key) const {
   return parse_number(find(key), value);
 }
 
-int Parameters::integer(const std::string& key) const { return static_cast<int>(number(key)); }
+int Parameters::integer(const std::string& key) const {
+  return static_cast<int>(number(key));
+}
 
 }  // namespace sanatrix::pipeline

@@ -10,9 +10,9 @@ namespace sanatrix::pipeline {
 enum class Kind { Number, Integer, Choice, Text };
 
 struct ParameterInfo {
-  std::string key;       ///< "mesh.target_vertices"; the part before the dot says who reads it
+  std::string key;  ///< "mesh.target_vertices"; the part before the dot says who reads it
   Kind kind;
-  std::string standard;  ///< default value; empty: as the preset or the plan says
+  std::string standard;              ///< default value; empty: as the preset or the plan says
   double min = 0.0, max = 0.0;       ///< of numbers
   std::string unit;                  ///< of numbers, may be empty
   std::vector<std::string> choices;  ///< of choices

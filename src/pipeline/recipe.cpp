@@ -66,7 +66,9 @@ Recipe recipe(const Case& patient, Stage stage) {
 
 std::string difference(const Recipe& old, const Recipe& now) {
   std::string text;
-  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : "; ") + what; };
+  const auto add = [&](const std::string& what) {
+    text += (text.empty() ? "" : "; ") + what;
+  };
   for (const auto& [name, value] : now.entries) {
     const auto before = old.entries.find(name);
     if (before != old.entries.end() && before->second == value) {

@@ -11,9 +11,9 @@ namespace sanatrix::pipeline {
 namespace {
 
 using StageFunction = StageNotes (*)(const StageInput&);
-constexpr std::array<StageFunction, 9> functions{run_image,   run_segment, run_mesh,
-                                                 run_unload,  run_supine,  run_surgery,
-                                                 run_heal,    run_upright, run_outcome};
+constexpr std::array<StageFunction, 9> functions{run_image,  run_segment, run_mesh,
+                                                 run_unload, run_supine,  run_surgery,
+                                                 run_heal,   run_upright, run_outcome};
 
 /// Stages to look at, in order. Without a plan the upright pose before surgery comes first, so
 /// that everything that can be computed is there when surgery asks for the plan.
@@ -56,13 +56,12 @@ void run_stage(const Case& patient, const StageInfo& stage, Monitor& monitor, Te
   team.share(0);
   StageNotes notes = work(patient, stage, monitor, team, stop);
   if (team.leads()) {
-    StageRecord record{.recipe = recipe(patient, stage.id),
-                       .seconds = std::chrono::duration<double>(
-                                      std::chrono::steady_clock::now() - start)
-                                      .count(),
-                       .warnings = std::move(notes.warnings),
-                       .numbers = std::move(notes.numbers),
-                       .files = {}};
+    StageRecord record{
+        .recipe = recipe(patient, stage.id),
+        .seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+        .warnings = std::move(notes.warnings),
+        .numbers = std::move(notes.numbers),
+        .files = {}};
     commit(patient, stage.id, record);
     monitor.finished(stage, record);
   }

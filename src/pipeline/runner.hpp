@@ -20,7 +20,9 @@ struct StageInput {
   Context ctx;
 
   [[nodiscard]] const Parameters& parameters() const { return patient.parameters; }
-  [[nodiscard]] std::filesystem::path from(Stage stage) const { return patient.stage_folder(stage); }
+  [[nodiscard]] std::filesystem::path from(Stage stage) const {
+    return patient.stage_folder(stage);
+  }
 };
 struct StageNotes {
   std::vector<std::string> warnings;

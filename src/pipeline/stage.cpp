@@ -11,22 +11,53 @@ const std::array<StageInfo, 9>& all_stages() {
   static const std::vector<std::string> body{"tissue.", "skin.", "solver."};
   static const std::array<StageInfo, 9> table{{
       {Image, "image", "10-image", "A", "reading the images", 1, {}, {}, false},
-      {Segment, "segment", "20-segment", "B", "checking the labels", 1, {Image}, {"segment."}, false},
+      {Segment,
+       "segment",
+       "20-segment",
+       "B",
+       "checking the labels",
+       1,
+       {Image},
+       {"segment."},
+       false},
       {Mesh, "mesh", "30-mesh", "C-D", "meshing", 1, {Segment}, {"mesh."}, false},
       {Unload, "unload", "40-unload", "E", "unloading", 1, {Mesh}, body, true},
       {Supine, "supine", "50-supine", "F", "supine pose", 1, {Mesh, Unload}, body, true},
       {Surgery, "surgery", "60-surgery", "G", "surgery", 1, {Mesh, Supine}, {"surgery."}, false},
-      {Heal, "heal", "70-heal", "H", "healing", 1, {Mesh, Unload, Supine, Surgery},
-       {"tissue.", "skin.", "solver.", "heal."}, true},
-      {Upright, "upright", "80-upright", "I-J", "upright before and after", 1, {Mesh, Unload, Heal},
-       body, true},
-      {Outcome, "outcome", "90-outcome", "I-J", "outcome", 1,
-       {Segment, Mesh, Unload, Supine, Surgery, Heal, Upright}, {"outcome."}, false},
+      {Heal,
+       "heal",
+       "70-heal",
+       "H",
+       "healing",
+       1,
+       {Mesh, Unload, Supine, Surgery},
+       {"tissue.", "skin.", "solver.", "heal."},
+       true},
+      {Upright,
+       "upright",
+       "80-upright",
+       "I-J",
+       "upright before and after",
+       1,
+       {Mesh, Unload, Heal},
+       body,
+       true},
+      {Outcome,
+       "outcome",
+       "90-outcome",
+       "I-J",
+       "outcome",
+       1,
+       {Segment, Mesh, Unload, Supine, Surgery, Heal, Upright},
+       {"outcome."},
+       false},
   }};
   return table;
 }
 
-const StageInfo& info(Stage stage) { return all_stages()[static_cast<std::size_t>(stage)]; }
+const StageInfo& info(Stage stage) {
+  return all_stages()[static_cast<std::size_t>(stage)];
+}
 
 Stage parse_stage(const std::string& name) {
   std::string known;

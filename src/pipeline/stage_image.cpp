@@ -18,7 +18,8 @@ Vec3 centre_mm(const Image3<T>& image) {
 }  // namespace
 
 StageNotes run_image(const StageInput& in) {
-  const LabelImage labels = during("labels", [&] { return io::read_labels(in.patient.input("labels")); });
+  const LabelImage labels =
+      during("labels", [&] { return io::read_labels(in.patient.input("labels")); });
   StageNotes notes;
   notes.numbers = {{"size_i", labels.size[0]},
                    {"size_j", labels.size[1]},

@@ -1,7 +1,7 @@
 // Steps C and D: the two-breast tetrahedral model of the prone patient.
 #include "pipeline/artefacts.hpp"
-#include "pipeline/segmentation_store.hpp"
 #include "pipeline/focus.hpp"
+#include "pipeline/segmentation_store.hpp"
 #include "pipeline/stages.hpp"
 
 namespace sanatrix::pipeline {
@@ -40,9 +40,8 @@ StageNotes run_mesh(const StageInput& in) {
           "around the resection");
     }
   }
-  const meshing::BreastModel model =
-      meshing::mesh_breasts(labels.labels, labels.fibroglandular, labels.midline_x_mm,
-                            labels.nipple_mm, options, in.ctx);
+  const meshing::BreastModel model = meshing::mesh_breasts(
+      labels.labels, labels.fibroglandular, labels.midline_x_mm, labels.nipple_mm, options, in.ctx);
   save_model(model, in.out / "model.bin");
   write_pose(model, model.mesh.points, model.mesh.points, in.out / "prone.vtu");
   write_skin(model.mesh, model.mesh.points, {}, in.out / "prone_skin.vtp");

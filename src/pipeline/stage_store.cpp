@@ -95,7 +95,8 @@ StageStatus status(const Case& patient, Stage stage) {
     s.state = s.reason.empty() ? State::Fresh : State::Stale;
   }
   if (const auto failure = read_json(failure_file(patient, stage));
-      failure && s.state != State::Fresh && failure->value("fingerprint", "") == now.fingerprint()) {
+      failure && s.state != State::Fresh &&
+      failure->value("fingerprint", "") == now.fingerprint()) {
     s.state = State::Failed;
     s.reason = failure->value("reason", "");
   }
@@ -119,9 +120,9 @@ void clean_up(const Case& patient) {
     }
     const fs::path aside = aside_folder(patient, stage.id);
     const auto made_for = read_json(aside / recipe_file);
-    const bool useful = made_for && fs::exists(aside / "checkpoint.bin") &&
-                        made_for->get<std::map<std::string, std::string>>() ==
-                            recipe(patient, stage.id).entries;
+    const bool useful =
+        made_for && fs::exists(aside / "checkpoint.bin") &&
+        made_for->get<std::map<std::string, std::string>>() == recipe(patient, stage.id).entries;
     if (!useful) {
       fs::remove_all(aside);
     }
@@ -133,8 +134,8 @@ void begin(const Case& patient, Stage stage) {
   std::error_code problem;
   fs::create_directories(aside, problem);
   if (problem) {
-    throw Error(Fault::Resource, fmt::format("the case folder cannot be written: {}",
-                                             problem.message()),
+    throw Error(Fault::Resource,
+                fmt::format("the case folder cannot be written: {}", problem.message()),
                 "check the free space and the permissions of the case folder");
   }
   write_text(aside / recipe_file, json(recipe(patient, stage).entries).dump(1));
@@ -171,12 +172,13 @@ void commit(const Case& patient, Stage stage, StageRecord record) {
 }
 
 void record_failure(const Case& patient, Stage stage, const std::string& reason) {
-  write_text(failure_file(patient, stage), json{{"stage", info(stage).name},
-                                                {"status", "failed"},
-                                                {"fingerprint", recipe(patient, stage).fingerprint()},
-                                                {"reason", reason}}
-                                                   .dump(2) +
-                                               "\n");
+  write_text(failure_file(patient, stage),
+             json{{"stage", info(stage).name},
+                  {"status", "failed"},
+                  {"fingerprint", recipe(patient, stage).fingerprint()},
+                  {"reason", reason}}
+                     .dump(2) +
+                 "\n");
 }
 
 }  // namespace sanatrix::pipeline

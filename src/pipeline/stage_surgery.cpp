@@ -13,10 +13,10 @@ StageNotes run_surgery(const StageInput& in) {
   const mechanics::Shape supine = load_shape(in.from(Stage::Supine) / "shape.bin").shape;
   const std::span<const Vec3> supine_points = vertices(model.mesh, supine);
   // Fractions belong to cells: a plan drawn in prone travels to the table with the tissue.
-  const std::span<const Vec3> pose =
-      plan.frame == surgery::Frame::Prone ? std::span<const Vec3>(model.mesh.points) : supine_points;
-  const surgery::Wound wound =
-      surgery::resect(plan, model.mesh, pose, model.midline_x_m, in.ctx);
+  const std::span<const Vec3> pose = plan.frame == surgery::Frame::Prone
+                                         ? std::span<const Vec3>(model.mesh.points)
+                                         : supine_points;
+  const surgery::Wound wound = surgery::resect(plan, model.mesh, pose, model.midline_x_m, in.ctx);
   if (std::ranges::none_of(wound.fraction, [](double f) { return f >= 0.5; })) {
     throw Error(Fault::Input, "the planned resection is smaller than the elements of the mesh",
                 "set a larger margin or a smaller mesh.near_edge_mm");
@@ -26,7 +26,8 @@ StageNotes run_surgery(const StageInput& in) {
   io::Fields fields;
   fields.cell.push_back(io::scalar_field("wound_fraction", wound.fraction));
   fields.cell.push_back(io::scalar_field("fibroglandular_fraction", model.fibroglandular));
-  io::write_vtu(model.mesh, supine_points, fields, in.out / "wound.vtu", io::LengthUnit::Millimetre);
+  io::write_vtu(model.mesh, supine_points, fields, in.out / "wound.vtu",
+                io::LengthUnit::Millimetre);
   std::vector<double> incision(model.mesh.points.size(), 0.0);
   for (const std::vector<int>& line : wound.incision_vertices) {
     for (const int vertex : line) {

@@ -12,38 +12,46 @@
 
 namespace sanatrix::render {
 
-/// Runs `work` in a child process that owns an off-screen display, so that a failure of the graphics
-/// stack never ends the caller. Returns the reason when no picture could be made, else nothing.
+/// Runs `work` in a child process that owns an off-screen display, so that a failure of the
+/// graphics stack never ends the caller. Returns the reason when no picture could be made, else
+/// nothing.
 std::optional<std::string> with_display(const std::function<void()>& work);
 
-enum class View { Front, LeftOblique, RightOblique, Left, Right, Below };  ///< of an upright or supine patient
+/// From where one looks at the patient, superior up; Below is a radiologist's axial view: from the
+/// feet, anterior up. In Front the patient's left is on the right hand of the picture.
+enum class View { Front, LeftOblique, RightOblique, Left, Right, Below };
 
 /// A surface with optional colours, and where it comes from.
 struct Actor {
   TriMesh surface;
-  std::vector<double> scalar;       ///< per point, empty: plain colour
+  std::vector<double> scalar;  ///< per point, empty: plain colour
   std::array<double, 3> colour{0.83, 0.66, 0.56};
   double opacity = 1.0;
   bool wireframe = false;
-  std::vector<Vec3> arrows;         ///< per point [m]; drawn where longer than 0.5 mm, empty: none
+  /// Per point [m], empty: none. Drawn in true length where longer than 0.5 mm, coloured by their
+  /// length in mm; of crowded arrows the longest.
+  std::vector<Vec3> arrows;
 };
 struct Panel {
   std::vector<Actor> actors;
   View view = View::Front;
   std::string title;
-  std::string bar_title;            ///< "displacement [mm]"; empty: no colour bar
+  std::string bar_title;  ///< "displacement [mm]"; empty: no colour bar
   double bar_min = 0.0, bar_max = 1.0;
-  bool diverging = false;           ///< else viridis
+  bool diverging = false;  ///< else viridis
 };
-/// Panels side by side, `columns` per row, each with the same size; written aside and renamed.
+/// Panels side by side, `columns` per row. All panels show the same region of space at the same
+/// scale, so that they can be compared. Written aside and renamed. Needs a display.
 void write_picture(const std::vector<Panel>& panels, int columns, const std::filesystem::path& file,
                    int panel_width = 640, int panel_height = 560);
 
-/// A mesh cut open by a plane: the cut face coloured by a point field, the rest translucent.
+/// A mesh cut open by a plane: the cut face coloured by a point field, the half behind it
+/// translucent. Seen square to the plane from the usual side: axial from the feet, coronal from the
+/// front, sagittal from the patient's left.
 struct CutPanel {
   const TetMesh* mesh;
   std::vector<Vec3> points;
-  std::vector<double> scalar;       ///< per vertex
+  std::vector<double> scalar;  ///< per vertex
   Vec3 plane_point, plane_normal;
   std::string title, bar_title;
   double bar_min = 0.0, bar_max = 1.0;
@@ -55,7 +63,8 @@ struct Curve {
   std::string name;
   std::vector<double> x, y;
 };
-void write_plot(const std::vector<Curve>& curves, const std::string& title, const std::string& x_label,
-                const std::string& y_label, const std::filesystem::path& file);
+void write_plot(const std::vector<Curve>& curves, const std::string& title,
+                const std::string& x_label, const std::string& y_label,
+                const std::filesystem::path& file);
 
 }  // namespace sanatrix::render

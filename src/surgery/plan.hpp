@@ -74,7 +74,7 @@ class Resection {
   [[nodiscard]] double lateral(const Vec3& p) const;
   [[nodiscard]] double shape(const Vec3& p, Caps caps) const;
   [[nodiscard]] double value(const Vec3& p, Caps caps) const;
-  [[nodiscard]] double cut_share(const std::array<Vec3, 4>& t, Caps caps) const;
+  [[nodiscard]] double cut_share(const std::array<Vec3, 4>& t, int n, Caps caps) const;
   void place_axis(const Plan& plan, const TriMesh& skin, const TriMesh& chest);
   void fill_piece();
   void measure_cell(const std::array<int, 3>& low, Measure& sum) const;

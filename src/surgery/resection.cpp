@@ -17,7 +17,8 @@ constexpr double usual_blend = 4.0 * mm;
 constexpr double normal_smoothing = 20.0 * mm;
 /// The rounded maximum of three distances changes at most sqrt(3) per metre.
 constexpr double steepest = 1.7320508;
-constexpr double finest_cell_edge = 1.0 * mm;
+/// Edge of the small tetrahedra of cut cells: against the 4 mm rounding they err by 0.05 mm.
+constexpr double lattice_edge = 1.5 * mm;
 
 std::string in_mm(const Vec3& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p[0] / mm, p[1] / mm, p[2] / mm);
@@ -175,51 +176,69 @@ double Resection::signed_distance(const Vec3& p) const {
   return value(p, caps_near(p, 0.0));
 }
 
-double Resection::cut_share(const std::array<Vec3, 4>& t, Caps caps) const {
-  const Vec3 middle = 0.25 * (t[0] + t[1] + t[2] + t[3]);
-  double reach = 0.0, edge = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    reach = std::max(reach, norm(t[i] - middle));
-    for (std::size_t j = 0; j < i; ++j) {
-      edge = std::max(edge, norm(t[i] - t[j]));
+// Linear interpolation on a lattice of n^3 equal small tetrahedra (Kuhn's subdivision, in which the
+// cell is the simplex 0 <= z <= y <= x <= n): corners are shared, so closest-point searches are
+// few.
+double Resection::cut_share(const std::array<Vec3, 4>& t, int n, Caps caps) const {
+  const auto width = static_cast<std::size_t>(n + 1);
+  const auto index = [width](const std::array<int, 3>& at) {
+    return (static_cast<std::size_t>(at[0]) * width + static_cast<std::size_t>(at[1])) * width +
+           static_cast<std::size_t>(at[2]);
+  };
+  const auto in_cell = [n](const std::array<int, 3>& at) {
+    return at[0] <= n && at[1] <= at[0] && at[2] <= at[1];
+  };
+  const double step = 1.0 / n;
+  std::vector<double> f(width * width * width);
+  for (int x = 0; x <= n; ++x) {
+    for (int y = 0; y <= x; ++y) {
+      for (int z = 0; z <= y; ++z) {
+        const Vec3 p = t[0] + step * (x * (t[1] - t[0]) + y * (t[2] - t[1]) + z * (t[3] - t[2]));
+        f[index({x, y, z})] = value(p, caps);
+      }
     }
   }
-  const double f = value(middle, caps);
-  if (std::abs(f) > steepest * reach) {
-    return f < 0.0 ? 1.0 : 0.0;
-  }
-  if (edge <= finest_cell_edge) {
-    return share_below_zero(
-        {value(t[0], caps), value(t[1], caps), value(t[2], caps), value(t[3], caps)});
-  }
-  const auto half = [&t](std::size_t i, std::size_t j) {
-    return 0.5 * (t[i] + t[j]);
-  };
-  const Vec3 a = half(0, 1), b = half(0, 2), c = half(0, 3), d = half(1, 2), e = half(1, 3),
-             g = half(2, 3);
-  // Eight children of equal volume: four corners and the octahedron cut along its diagonal b-e.
-  const std::array<std::array<Vec3, 4>, 8> children{{{t[0], a, b, c},
-                                                     {t[1], a, d, e},
-                                                     {t[2], b, d, g},
-                                                     {t[3], c, e, g},
-                                                     {b, e, a, c},
-                                                     {b, e, c, g},
-                                                     {b, e, g, d},
-                                                     {b, e, d, a}}};
+  constexpr std::array<std::array<std::size_t, 3>, 6> orders{
+      {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
   double sum = 0.0;
-  for (const auto& child : children) {
-    sum += cut_share(child, caps);
+  for (int x = 0; x < n; ++x) {
+    for (int y = 0; y <= x; ++y) {
+      for (int z = 0; z <= y; ++z) {
+        for (const auto& order : orders) {
+          std::array<int, 3> at{x, y, z};
+          std::array<double, 4> corners{f[index(at)], 0, 0, 0};
+          bool inside = true;
+          for (std::size_t i = 0; i < 3 && inside; ++i) {
+            ++at[order[i]];
+            inside = in_cell(at);
+            corners[i + 1] = inside ? f[index(at)] : 0.0;
+          }
+          sum += inside ? share_below_zero(corners) : 0.0;
+        }
+      }
+    }
   }
-  return sum / 8.0;
+  return sum * step * step * step;
 }
 
 double Resection::volume_fraction(const std::array<Vec3, 4>& corners) const {
   const Vec3 middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-  double reach = 0.0;
-  for (const Vec3& p : corners) {
-    reach = std::max(reach, norm(p - middle));
+  double reach = 0.0, edge = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    reach = std::max(reach, norm(corners[i] - middle));
+    for (std::size_t j = 0; j < i; ++j) {
+      edge = std::max(edge, norm(corners[i] - corners[j]));
+    }
   }
-  return lateral(middle) > reach ? 0.0 : cut_share(corners, caps_near(middle, reach));
+  if (lateral(middle) > reach) {
+    return 0.0;
+  }
+  const Caps caps = caps_near(middle, reach);
+  const double f = value(middle, caps);
+  if (std::abs(f) > steepest * reach) {
+    return f < 0.0 ? 1.0 : 0.0;
+  }
+  return cut_share(corners, static_cast<int>(std::ceil(edge / lattice_edge)), caps);
 }
 
 }  // namespace sanatrix::surgery

@@ -1,0 +1,125 @@
+#include "healing/diffusion.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+namespace sanatrix::healing {
+namespace {
+
+/// Gradients of the four linear shape functions, times 6 V, and 6 V itself.
+struct Tetrahedron {
+  std::array<Vec3, 4> gradient;
+  double volume6;
+};
+
+Tetrahedron tetrahedron(const std::array<int, 4>& v, std::span<const Vec3> points) {
+  const Vec3 a = points[v[1]] - points[v[0]];
+  const Vec3 b = points[v[2]] - points[v[0]];
+  const Vec3 c = points[v[3]] - points[v[0]];
+  Tetrahedron t{{Vec3{}, cross(b, c), cross(c, a), cross(a, b)}, 0.0};
+  t.gradient[0] = -1.0 * (t.gradient[1] + t.gradient[2] + t.gradient[3]);
+  t.volume6 = dot(a, t.gradient[1]);
+  return t;
+}
+
+/// Size: number of species when known to the compiler (unrolled), or 0.
+template <int Size>
+void apply_group(const Diffusion& d, std::span<const double> healthy, std::span<const double> q,
+                 std::span<double> out) {
+  const int n = Size > 0 ? Size : static_cast<int>(d.diffusivity.size());
+  const Laplacian& l = d.laplacian;
+  const int rows = static_cast<int>(l.exchange.size());
+  for (int i = 0; i < rows; ++i) {
+    const double* const here = q.data() + d.first + i * n;
+    double* const sum = out.data() + d.first + i * n;
+    for (int s = 0; s < n; ++s) {
+      sum[s] = l.exchange[i] * (healthy[s] - here[s]);
+    }
+    for (int e = l.row[i]; e < l.row[i + 1]; ++e) {
+      const double* const there = q.data() + l.entries[e].column;
+      const double weight = l.entries[e].weight;
+      for (int s = 0; s < n; ++s) {
+        // Differences, so that a uniform field stays uniform to the last bit.
+        sum[s] += weight * (there[s] - here[s]);
+      }
+    }
+    for (int s = 0; s < n; ++s) {
+      sum[s] *= d.diffusivity[s];
+    }
+  }
+}
+
+void dispatch(const Diffusion& d, std::span<const double> healthy, std::span<const double> q,
+              std::span<double> out) {
+  switch (d.diffusivity.size()) {
+    case 0:
+      return;
+    case 1:
+      return apply_group<1>(d, healthy, q, out);
+    case 2:
+      return apply_group<2>(d, healthy, q, out);
+    case 3:
+      return apply_group<3>(d, healthy, q, out);
+    default:
+      return apply_group<0>(d, healthy, q, out);
+  }
+}
+
+}  // namespace
+
+Laplacian make_laplacian(const TetMesh& mesh, std::span<const Vec3> points, const WoundMap& wound,
+                         Domain domain, std::span<const int> vertices) {
+  constexpr int absent = -1;
+  std::vector<int> row_of(points.size(), absent);
+  for (std::size_t r = 0; r < vertices.size(); ++r) {
+    row_of[vertices[r]] = static_cast<int>(r);
+  }
+  std::vector<std::map<int, double>> rows(vertices.size());
+  std::vector<double> volume24(vertices.size());  // 24 x lumped volume
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    if (domain == Domain::Wound && !wound.cell[c]) {
+      continue;
+    }
+    const auto& cell = mesh.cells[c];
+    const Tetrahedron t = tetrahedron(cell, points);
+    for (int a = 0; a < 4; ++a) {
+      const int r = row_of[cell[a]];
+      if (r == absent) {
+        continue;
+      }
+      volume24[r] += t.volume6;
+      for (int b = 0; b < 4; ++b) {
+        if (b != a) {  // K_ab = V (g_a / 6V) . (g_b / 6V)
+          rows[r][cell[b]] -= dot(t.gradient[a], t.gradient[b]) / (6.0 * t.volume6);
+        }
+      }
+    }
+  }
+  Laplacian l;
+  l.row.push_back(0);
+  for (std::size_t r = 0; r < vertices.size(); ++r) {
+    // The vertex's part of the wound is a layer of thickness V/A. Its middle is V/2A away from
+    // healthy tissue, so D A (healthy - q) / (V/2A) flows into V.
+    const double per_thickness =
+        domain == Domain::Wound ? 24.0 * wound.area[vertices[r]] / volume24[r] : 0.0;
+    l.exchange.push_back(2.0 * per_thickness * per_thickness);
+    l.diagonal.push_back(l.exchange.back());
+    for (const auto& [column, conductance] : rows[r]) {
+      l.entries.push_back({column, 24.0 * conductance / volume24[r]});
+      l.diagonal.back() += l.entries.back().weight;
+    }
+    l.row.push_back(static_cast<int>(l.entries.size()));
+  }
+  return l;
+}
+
+void Diffusion::apply(std::span<const double> q, std::span<double> out) const {
+  dispatch(*this, healthy, q, out);
+}
+
+void Diffusion::apply_homogeneous(std::span<const double> q, std::span<double> out) const {
+  dispatch(*this, std::vector<double>(healthy.size()), q, out);
+}
+
+}  // namespace sanatrix::healing

@@ -1,0 +1,166 @@
+// Where the breasts are: what stands in front of a large ball rolling over the prone torso.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/error.hpp"
+#include "meshing/anatomy.hpp"
+
+namespace sanatrix::meshing {
+namespace {
+
+/// The ball rolls over the chest and the flanks but not over a breast [mm].
+constexpr double ball_radius_mm = 80.0;
+constexpr double footprint_prominence_mm = 10.0;
+/// The torso's shape needs no finer columns than this [mm].
+constexpr double coarse_mm = 4.0;
+
+ColumnMap coarsen(const ColumnMap& map) {
+  const int step = std::max(1, static_cast<int>(std::lround(coarse_mm / map.spacing_mm)));
+  ColumnMap coarse{.size = {(map.size[0] + step - 1) / step, (map.size[1] + step - 1) / step},
+                   .spacing_mm = map.spacing_mm * step,
+                   .origin_mm = map.origin_mm,
+                   .value = {}};
+  for (int k = 0; k < coarse.size[1]; ++k) {
+    for (int i = 0; i < coarse.size[0]; ++i) {
+      coarse.value.push_back(map.at(i * step, k * step));
+    }
+  }
+  return coarse;
+}
+
+/// Extreme of y +- the ball's cap over all columns under the ball. sign +1 moves the ball's centre
+/// back until it is inside the body everywhere, -1 gives the front of that ball.
+ColumnMap roll(const ColumnMap& map, int sign) {
+  const int reach = static_cast<int>(ball_radius_mm / map.spacing_mm);
+  std::vector<std::pair<std::array<int, 2>, double>> cap;
+  for (int b = -reach; b <= reach; ++b) {
+    for (int a = -reach; a <= reach; ++a) {
+      const double r2 = (a * a + b * b) * map.spacing_mm * map.spacing_mm;
+      if (r2 <= ball_radius_mm * ball_radius_mm) {
+        cap.push_back({{a, b}, std::sqrt(ball_radius_mm * ball_radius_mm - r2)});
+      }
+    }
+  }
+  ColumnMap result = map;
+  for (int k = 0; k < map.size[1]; ++k) {
+    for (int i = 0; i < map.size[0]; ++i) {
+      double extreme = -1e9;
+      for (const auto& [offset, height] : cap) {
+        const int a = std::clamp(i + offset[0], 0, map.size[0] - 1);
+        const int b = std::clamp(k + offset[1], 0, map.size[1] - 1);
+        extreme = std::max(extreme, sign * map.at(a, b) + height);
+      }
+      result.at(i, k) = sign * extreme;
+    }
+  }
+  return result;
+}
+
+/// The prominent columns connected to a nipple, on its side of the midline.
+void mark_breast(BreastMap& breasts, const Vec3& nipple_mm, double midline_x_mm, signed char side) {
+  const ColumnMap& map = breasts.prominence;
+  Mask raised{.size = {map.size[0], map.size[1], 1}, .voxels = {}};
+  for (std::size_t c = 0; c < map.value.size(); ++c) {
+    const double x =
+        map.origin_mm[0] +
+        static_cast<double>(c % static_cast<std::size_t>(map.size[0])) * map.spacing_mm;
+    const bool mine = (x > midline_x_mm) == (side > 0);
+    raised.voxels.push_back(mine && map.value[c] > footprint_prominence_mm ? 1 : 0);
+  }
+  const std::size_t tip = map.nearest(nipple_mm[0], nipple_mm[2]);
+  if (raised.voxels[tip] == 0) {
+    throw Error(Fault::Input,
+                fmt::format("no breast on the patient's {}: the nipple at {:.0f} {:.0f} {:.0f} mm "
+                            "stands only {:.0f} mm forward of the torso",
+                            side > 0 ? "left" : "right", nipple_mm[0], nipple_mm[1], nipple_mm[2],
+                            map.value[tip]),
+                "the model needs both breasts of a prone patient");
+  }
+  const Parts parts = connected_parts(raised);
+  for (std::size_t c = 0; c < map.value.size(); ++c) {
+    if (parts.part[c] == parts.part[tip]) {
+      breasts.side[c] = side;
+    }
+  }
+}
+
+/// Median thickness of tissue over the chest beside the breasts.
+double tissue_beside(const BreastMap& breasts, const ColumnMap& skin_y, const ColumnMap& chest_y) {
+  std::vector<double> thickness;
+  for (std::size_t c = 0; c < skin_y.value.size(); ++c) {
+    const double t = chest_y.value[c] - skin_y.value[c];
+    // Beside the chest a column runs along the flank and says nothing.
+    if (breasts.side[c] == 0 && t > 0.0 && t < 60.0) {
+      thickness.push_back(t);
+    }
+  }
+  if (thickness.empty()) {
+    return 20.0;
+  }
+  const auto middle = thickness.begin() + static_cast<long>(thickness.size() / 2);
+  std::nth_element(thickness.begin(), middle, thickness.end());
+  return *middle;
+}
+
+}  // namespace
+
+void fill_smoothly(ColumnMap& map, const std::vector<std::size_t>& columns) {
+  const auto nx = static_cast<std::size_t>(map.size[0]);
+  const auto nz = static_cast<std::size_t>(map.size[1]);
+  std::vector<bool> free(map.value.size(), false);
+  for (const std::size_t c : columns) {
+    free[c] = true;
+  }
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t c = 0; c < free.size(); ++c) {
+    sum += free[c] ? 0.0 : map.value[c];
+    count += free[c] ? 0.0 : 1.0;
+  }
+  for (const std::size_t c : columns) {
+    map.value[c] = sum / std::max(count, 1.0);
+  }
+  // Over-relaxed Gauss-Seidel for the Laplace equation; 0.05 mm is far below a voxel.
+  for (int sweep = 0; sweep < 2000; ++sweep) {
+    double change = 0.0;
+    for (const std::size_t c : columns) {
+      const std::size_t i = c % nx;
+      const std::size_t k = c / nx;
+      const double mean =
+          0.25 * (map.value[i > 0 ? c - 1 : c] + map.value[i + 1 < nx ? c + 1 : c] +
+                  map.value[k > 0 ? c - nx : c] + map.value[k + 1 < nz ? c + nx : c]);
+      const double step = 1.8 * (mean - map.value[c]);
+      map.value[c] += step;
+      change = std::max(change, std::abs(step));
+    }
+    if (change < 0.05 * 0.01) {
+      break;
+    }
+  }
+}
+
+BreastMap map_breasts(const ColumnMap& skin_y, const ColumnMap& chest_y,
+                      const AnatomyOptions& options) {
+  const ColumnMap skin = coarsen(skin_y);
+  BreastMap breasts;
+  breasts.prominence = roll(roll(skin, 1), -1);
+  for (std::size_t c = 0; c < skin.value.size(); ++c) {
+    breasts.prominence.value[c] -= skin.value[c];
+  }
+  breasts.side.assign(skin.value.size(), 0);
+  mark_breast(breasts, options.nipple_mm[0], options.midline_x_mm, -1);
+  mark_breast(breasts, options.nipple_mm[1], options.midline_x_mm, 1);
+  std::vector<std::size_t> covered;
+  for (std::size_t c = 0; c < breasts.side.size(); ++c) {
+    if (breasts.side[c] != 0) {
+      covered.push_back(c);
+    }
+  }
+  breasts.base = skin;
+  fill_smoothly(breasts.base, covered);
+  breasts.behind_base_mm = tissue_beside(breasts, skin, coarsen(chest_y));
+  return breasts;
+}
+
+}  // namespace sanatrix::meshing

@@ -1,0 +1,163 @@
+// Steps C and D: anatomy -> closed surface -> tetrahedra -> model with names and tissue.
+#include "meshing/breast_mesh.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "meshing/anatomy.hpp"
+#include "meshing/cell_tissue.hpp"
+#include "meshing/domain_surface.hpp"
+#include "meshing/sizing.hpp"
+#include "meshing/tetrahedra.hpp"
+
+namespace sanatrix::meshing {
+namespace {
+
+/// A solver needs dihedral angles above 10 degrees; asking for a little more leaves room.
+constexpr double least_dihedral_deg = 10.0;
+constexpr double wanted_dihedral_deg = 12.0;
+/// Skin faces may be this far from the skin: a third of a voxel of the label grid.
+constexpr double surface_distance_mm = 0.5;
+
+class Deadline {
+ public:
+  explicit Deadline(double seconds)
+      : limit_s_(seconds),
+        end_(Clock::now() +
+             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {}
+  [[nodiscard]] double left_s() const {
+    return std::chrono::duration<double>(end_ - Clock::now()).count();
+  }
+  void check() const {
+    if (left_s() <= 0.0) {
+      throw Error(Fault::Resource, fmt::format("meshing took longer than {:g} s", limit_s_),
+                  "ask for fewer vertices or raise the time limit");
+    }
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double limit_s_;
+  Clock::time_point end_;
+};
+
+void check(const LabelImage& labels, const Image3<float>& fibroglandular,
+           const MeshOptions& options) {
+  require(options.target_vertices >= 500 && options.target_vertices <= 500000,
+          "target vertices must be 500 to 500000, not {}", options.target_vertices);
+  require(options.near_edge_m >= 0.001 && options.near_edge_m <= options.far_edge_m &&
+              options.far_edge_m <= 0.03,
+          "edges must be 1 mm <= near ({:g} mm) <= far ({:g} mm) <= 30 mm",
+          1e3 * options.near_edge_m, 1e3 * options.far_edge_m);
+  require(labels.voxels.size() == fibroglandular.voxels.size(),
+          "labels and fibroglandular fraction are on different grids");
+}
+
+/// Refines until the number of vertices fits. Each try costs a few seconds, so three must do.
+void refine_to_target(Refinement& refinement, Sizing& sizing, int target, unsigned seed,
+                      const Deadline& deadline, const Context& ctx) {
+  int calls = 0;
+  const SizeField size = [&](const Vec3& p) {
+    if (++calls % 4096 == 0) {
+      deadline.check();
+      ctx.detail(0.5, {});  // a chance to be stopped
+    }
+    return sizing.edge_mm(p);
+  };
+  int count = 0;
+  constexpr int tries = 3;
+  for (int i = 0; i < tries; ++i) {
+    sizing.aim_at(target, count);
+    count = refinement.refine(size, surface_distance_mm, seed);
+    ctx.at((i + 1.0) / tries, fmt::format("{} vertices, far edge {:.1f} mm, near edge {:.1f} mm",
+                                          count, sizing.far_mm(), sizing.near_mm()));
+    if (std::abs(count - target) < 0.1 * target) {
+      return;
+    }
+  }
+}
+
+TetMesh to_model_mesh(const Tetrahedra& tetrahedra, const ClipBox& box) {
+  TetMesh mesh;
+  for (const Vec3& p : tetrahedra.points_mm) {
+    mesh.points.push_back(1e-3 * p);
+  }
+  mesh.cells = tetrahedra.cells;
+  mesh.region.assign(mesh.cells.size(), 0);
+  mesh.region_names = {"breast"};
+  mesh.boundary_names = boundary_names();
+  const std::vector<ClipPlane> planes = clip_planes(box);
+  for (const auto& face : tetrahedra.faces) {
+    mesh.faces.push_back({face.vertex, static_cast<int>(face.patch)});
+    // Rounding took the flat sides out of their planes; put them back exactly.
+    for (const ClipPlane& plane : planes) {
+      for (const int v : face.vertex) {
+        double& x = mesh.points[static_cast<std::size_t>(v)][plane.axis];
+        if (face.patch == plane.patch && std::abs(x - 1e-3 * plane.at_mm) < 1e-6) {
+          x = 1e-3 * plane.at_mm;
+        }
+      }
+    }
+  }
+  return mesh;
+}
+
+double least_dihedral(const TetMesh& mesh) {
+  const std::vector<double> angles = min_dihedral_angles(mesh, mesh.points);
+  return *std::min_element(angles.begin(), angles.end());
+}
+
+}  // namespace
+
+BreastModel mesh_breasts(const LabelImage& labels, const Image3<float>& fibroglandular,
+                         double midline_x_mm, const std::array<Vec3, 2>& nipple_mm,
+                         const MeshOptions& options, const Context& ctx) {
+  check(labels, fibroglandular, options);
+  const Deadline deadline(options.time_limit_s);
+  ctx.at(0.0, "skin and chest wall");
+  const Anatomy anatomy = find_anatomy(labels,
+                                       {.midline_x_mm = midline_x_mm,
+                                        .nipple_mm = nipple_mm,
+                                        .slab_half_height_mm = 1e3 * options.slab_half_height_m},
+                                       ctx.part(0.0, 0.2));
+  deadline.check();
+  ctx.at(0.2, "clipped surface");
+  const DomainSurface surface = extract_domain(anatomy, nipple_mm);
+  deadline.check();
+
+  BreastModel model;
+  Sizing sizing(anatomy, options);
+  Refinement refinement(surface);
+  // Another random start usually helps when flat cells remain.
+  for (unsigned attempt = 0; attempt < 3; ++attempt) {
+    const auto seed = static_cast<unsigned>(ctx.seed()) + attempt;
+    refine_to_target(refinement, sizing, options.target_vertices, seed, deadline,
+                     ctx.part(0.3, 0.5));
+    ctx.at(0.5, "improving angles");
+    refinement.improve_angles(wanted_dihedral_deg, 0.5 * deadline.left_s());
+    deadline.check();
+    model.mesh = to_model_mesh(refinement.mesh(), anatomy.box);
+    if (least_dihedral(model.mesh) > least_dihedral_deg) {
+      break;
+    }
+  }
+  check_and_orient(model.mesh, "breast mesh");
+  if (const double angle = least_dihedral(model.mesh); angle <= least_dihedral_deg) {
+    model.warnings.push_back(fmt::format("smallest dihedral angle {:.1f} degrees", angle));
+  }
+  if (sizing.near_mm() > 1.001e3 * options.near_edge_m) {
+    model.warnings.push_back(
+        fmt::format("{} vertices are too few for edges of {:g} mm in the focus; they are {:.1f} mm",
+                    options.target_vertices, 1e3 * options.near_edge_m, sizing.near_mm()));
+  }
+  ctx.at(0.9, "tissue of the cells");
+  model.midline_x_m = 1e-3 * midline_x_mm;
+  assign_tissue(model, fibroglandular, anatomy.breasts, nipple_mm);
+  ctx.at(1.0,
+         fmt::format("{} vertices, {} cells", model.mesh.points.size(), model.mesh.cells.size()));
+  return model;
+}
+
+}  // namespace sanatrix::meshing

@@ -1,0 +1,193 @@
+// Iso-surface of skin and chest wall (VTK) clipped by planes into a closed surface (CGAL).
+#include "meshing/domain_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/clip.h>
+#include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/orientation.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <CGAL/Surface_mesh.h>
+#include <vtkFloatArray.h>
+#include <vtkFlyingEdges3D.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+
+#include "core/error.hpp"
+
+namespace sanatrix::meshing {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+namespace pmp = CGAL::Polygon_mesh_processing;
+
+/// Finer than the label grid would only resolve its stairs, coarser loses nipples [mm].
+constexpr double iso_spacing_mm = 2.4;
+
+double outside_tissue(const Anatomy& anatomy, const Vec3& p) {
+  return std::max(sample(anatomy.outside_skin, p), sample(anatomy.behind_chest, p));
+}
+
+/// The domain's function on a grid a little larger than the clip box, positive on its border so
+/// that the iso-surface is closed.
+vtkNew<vtkImageData> sample_domain(const Anatomy& anatomy) {
+  const Image3<float>& field = anatomy.outside_skin;
+  const Vec3 first = field.origin_mm;
+  const Vec3 last = field.position_mm(field.size[0] - 1, field.size[1] - 1, field.size[2] - 1);
+  Vec3 low{};
+  std::array<int, 3> size{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    // Two extra layers: the planes then cut whole cells of the surface.
+    low[a] = std::max(anatomy.box.low_mm[a], first[a]) - 2.3 * iso_spacing_mm;
+    const double high = std::min(anatomy.box.high_mm[a], last[a]) + 2.3 * iso_spacing_mm;
+    size[a] = static_cast<int>(std::ceil((high - low[a]) / iso_spacing_mm)) + 1;
+  }
+  vtkNew<vtkFloatArray> values;
+  values->SetNumberOfTuples(static_cast<vtkIdType>(size[0]) * size[1] * size[2]);
+  vtkIdType n = 0;
+  for (int k = 0; k < size[2]; ++k) {
+    for (int j = 0; j < size[1]; ++j) {
+      for (int i = 0; i < size[0]; ++i, ++n) {
+        const bool border =
+            i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1;
+        const Vec3 p = low + iso_spacing_mm * Vec3{static_cast<double>(i), static_cast<double>(j),
+                                                   static_cast<double>(k)};
+        // An exact zero at a grid point would make a degenerate triangle.
+        const auto v = static_cast<float>(outside_tissue(anatomy, p));
+        values->SetValue(n, border ? 5.0F : std::abs(v) < 1e-3F ? 1e-3F : v);
+      }
+    }
+  }
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(size[0], size[1], size[2]);
+  image->SetOrigin(low[0], low[1], low[2]);
+  image->SetSpacing(iso_spacing_mm, iso_spacing_mm, iso_spacing_mm);
+  image->GetPointData()->SetScalars(values);
+  return image;
+}
+
+SurfaceMesh iso_surface(const Anatomy& anatomy) {
+  vtkNew<vtkFlyingEdges3D> contour;
+  contour->SetInputData(sample_domain(anatomy));
+  contour->SetValue(0, 0.0);
+  contour->ComputeNormalsOff();
+  contour->ComputeScalarsOff();
+  contour->Update();
+  vtkPolyData* poly = contour->GetOutput();
+  SurfaceMesh surface;
+  for (vtkIdType p = 0; p < poly->GetNumberOfPoints(); ++p) {
+    const double* x = poly->GetPoint(p);
+    surface.add_vertex(Kernel::Point_3(x[0], x[1], x[2]));
+  }
+  for (vtkIdType c = 0; c < poly->GetNumberOfCells(); ++c) {
+    vtkIdType count = 0;
+    const vtkIdType* id = nullptr;
+    poly->GetCellPoints(c, count, id);
+    using Vertex = SurfaceMesh::Vertex_index;
+    const auto vertex = [&](int i) {
+      return Vertex(static_cast<Vertex::size_type>(id[i]));
+    };
+    surface.add_face(vertex(0), vertex(1), vertex(2));
+  }
+  return surface;
+}
+
+/// Keeps the largest piece; both nipples must be on it.
+void keep_one_piece(SurfaceMesh& surface, const std::array<Vec3, 2>& nipple_mm) {
+  pmp::keep_largest_connected_components(surface, 1);
+  surface.collect_garbage();
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Vec3& n = nipple_mm[side];
+    const auto close = [&](SurfaceMesh::Vertex_index v) {
+      const auto& p = surface.point(v);
+      return norm(Vec3{p.x(), p.y(), p.z()} - n) < 15.0;
+    };
+    const auto vertices = surface.vertices();
+    if (std::none_of(vertices.begin(), vertices.end(), close)) {
+      throw Error(Fault::Input,
+                  fmt::format("the two breasts are not one connected body: the {} nipple at "
+                              "{:.0f} {:.0f} {:.0f} mm is on another piece",
+                              side == 0 ? "right" : "left", n[0], n[1], n[2]),
+                  "check that the labels between the breasts (over the sternum) have no gap");
+    }
+  }
+}
+
+Patch patch_of(const Anatomy& anatomy, const std::vector<ClipPlane>& planes,
+               const std::array<Vec3, 3>& p) {
+  for (const ClipPlane& plane : planes) {
+    const auto on_plane = [&](const Vec3& v) {
+      return std::abs(v[plane.axis] - plane.at_mm) < 1e-6;
+    };
+    if (on_plane(p[0]) && on_plane(p[1]) && on_plane(p[2])) {
+      return plane.patch;
+    }
+  }
+  const Vec3 centre = (1.0 / 3.0) * (p[0] + p[1] + p[2]);
+  return sample(anatomy.behind_chest, centre) > sample(anatomy.outside_skin, centre) ? Patch::Chest
+                                                                                     : Patch::Skin;
+}
+
+}  // namespace
+
+const std::vector<std::string>& boundary_names() {
+  static const std::vector<std::string> names{"skin",     "chest",   "superior",
+                                              "inferior", "lateral", "posterior"};
+  return names;
+}
+
+std::vector<ClipPlane> clip_planes(const ClipBox& box) {
+  return {{Patch::Lateral, 0, box.low_mm[0], -1},
+          {Patch::Lateral, 0, box.high_mm[0], 1},
+          {Patch::Posterior, 1, box.high_mm[1], 1},
+          {Patch::Inferior, 2, box.low_mm[2], -1},
+          {Patch::Superior, 2, box.high_mm[2], 1}};
+}
+
+DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& nipple_mm) {
+  SurfaceMesh surface = iso_surface(anatomy);
+  ensure(CGAL::is_closed(surface) && !surface.is_empty(), "the iso-surface is not closed");
+  if (!pmp::is_outward_oriented(surface)) {
+    pmp::reverse_face_orientations(surface);
+  }
+  const std::vector<ClipPlane> planes = clip_planes(anatomy.box);
+  for (const ClipPlane& plane : planes) {
+    std::array<double, 3> normal{};
+    normal[plane.axis] = plane.outwards;
+    const Kernel::Plane_3 cut(normal[0], normal[1], normal[2], -plane.outwards * plane.at_mm);
+    pmp::clip(surface, cut, CGAL::parameters::clip_volume(true));
+  }
+  keep_one_piece(surface, nipple_mm);
+
+  DomainSurface domain;
+  for (const auto v : surface.vertices()) {
+    const auto& p = surface.point(v);
+    Vec3 x{p.x(), p.y(), p.z()};
+    for (const ClipPlane& plane : planes) {
+      if (std::abs(x[plane.axis] - plane.at_mm) < 1e-6) {
+        x[plane.axis] = plane.at_mm;
+      }
+    }
+    domain.points_mm.push_back(x);
+  }
+  for (const auto f : surface.faces()) {
+    std::array<int, 3> corner{};
+    std::array<Vec3, 3> p{};
+    std::size_t i = 0;
+    for (const auto v : surface.vertices_around_face(surface.halfedge(f))) {
+      corner[i] = static_cast<int>(v);
+      p[i++] = domain.points_mm[static_cast<std::size_t>(v)];
+    }
+    domain.triangles.push_back(corner);
+    domain.patch.push_back(patch_of(anatomy, planes, p));
+  }
+  return domain;
+}
+
+}  // namespace sanatrix::meshing

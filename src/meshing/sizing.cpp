@@ -1,0 +1,99 @@
+// Edge lengths from the distance to the focus and the thickness of the tissue.
+#include "meshing/sizing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sanatrix::meshing {
+namespace {
+
+/// Edges grow by this much per mm away from the focus; steeper gradings cost angles.
+constexpr double growth = 0.3;
+/// Thin tissue gets elements of this part of its thickness, but not below the floor, which keeps
+/// the skin over the sternum from using up all vertices.
+constexpr double thickness_part = 0.55;
+constexpr double thin_floor_mm = 4.0;
+/// The far edge may grow by this before the focus is made coarser too.
+constexpr double most_far_growth = 1.6;
+/// First guess of vertices per (edge length)^3; meshes of patients need 1.0 to 1.3.
+constexpr double usual_vertices_per_edge_volume = 1.15;
+
+}  // namespace
+
+Sizing::Sizing(const Anatomy& anatomy, const MeshOptions& options)
+    : thickness_(anatomy.thickness),
+      focus_(options.focus),
+      asked_near_mm_(1e3 * options.near_edge_m),
+      asked_far_mm_(1e3 * options.far_edge_m),
+      vertices_per_edge_volume_(usual_vertices_per_edge_volume) {
+  const Image3<float>& skin = anatomy.outside_skin;
+  constexpr int step = 2;
+  volume_per_sample_mm3_ = skin.voxel_volume_mm3() * step * step * step;
+  for (int k = 0; k < skin.size[2]; k += step) {
+    for (int j = 0; j < skin.size[1]; j += step) {
+      for (int i = 0; i < skin.size[0]; i += step) {
+        const std::size_t voxel = skin.index(i, j, k);
+        const Vec3 p = skin.position_mm(i, j, k);
+        bool inside = skin.voxels[voxel] < 0.0F && anatomy.behind_chest.voxels[voxel] < 0.0F;
+        for (std::size_t a = 0; a < 3; ++a) {
+          inside = inside && p[a] > anatomy.box.low_mm[a] && p[a] < anatomy.box.high_mm[a];
+        }
+        if (inside) {
+          samples_.push_back({thickness_.voxels[voxel], beyond_focus_mm(p)});
+        }
+      }
+    }
+  }
+  set_scale(1.0);
+}
+
+double Sizing::beyond_focus_mm(const Vec3& p_mm) const {
+  if (!focus_) {
+    return 1e3;
+  }
+  const Vec3 p = 1e-3 * p_mm;
+  const Vec3 axis = focus_->b - focus_->a;
+  const double t =
+      std::clamp(dot(p - focus_->a, axis) / std::max(dot(axis, axis), 1e-12), 0.0, 1.0);
+  return 1e3 * (norm(p - (focus_->a + t * axis)) - focus_->radius);
+}
+
+double Sizing::edge_mm(const Sample& s) const {
+  const double in_thin = std::max(thickness_part * s.thickness, thin_floor_mm);
+  const double in_focus = near_mm_ + growth * std::max(0.0, s.beyond_focus);
+  return std::min({far_mm_, in_thin, in_focus});
+}
+
+double Sizing::edge_mm(const Vec3& p_mm) const {
+  return edge_mm(Sample{sample(thickness_, p_mm), beyond_focus_mm(p_mm)});
+}
+
+void Sizing::set_scale(double scale) {
+  far_mm_ = std::max(asked_far_mm_ * std::min(scale, most_far_growth), asked_near_mm_);
+  near_mm_ = asked_near_mm_ * std::max(1.0, scale / most_far_growth);
+}
+
+double Sizing::expected_vertices() const {
+  double sum = 0.0;
+  for (const Sample& s : samples_) {
+    const double h = edge_mm(s);
+    sum += 1.0 / (h * h * h);
+  }
+  return vertices_per_edge_volume_ * volume_per_sample_mm3_ * sum;
+}
+
+void Sizing::aim_at(int target, int count) {
+  if (count > 0) {
+    vertices_per_edge_volume_ *= count / expected_vertices();
+  }
+  double low = 0.1;
+  double high = 10.0;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = std::sqrt(low * high);
+    set_scale(middle);
+    (expected_vertices() > target ? low : high) = middle;
+  }
+  set_scale(std::sqrt(low * high));
+}
+
+}  // namespace sanatrix::meshing

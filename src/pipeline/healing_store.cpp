@@ -1,0 +1,119 @@
+#include "pipeline/healing_store.hpp"
+
+#include <fmt/format.h>
+
+#include "core/archive.hpp"
+#include "pipeline/artefacts.hpp"
+
+namespace sanatrix::pipeline {
+namespace {
+
+constexpr std::size_t scalars_per_row = 8;
+
+void put_history(const std::vector<recovery::HistoryRow>& history, Archive& archive) {
+  std::vector<double>& flat = archive.reals["history"];
+  for (const recovery::HistoryRow& row : history) {
+    const healing::SpeciesRecord& s = row.species;
+    flat.insert(flat.end(), {s.t_day, s.eta_healthy_min, s.eta_healthy_max, s.far_field_second,
+                             row.volume_ratio, row.max_displacement_mm, row.wall_displacement_mm,
+                             row.min_jacobian});
+    flat.insert(flat.end(), s.mean.begin(), s.mean.end());
+    flat.insert(flat.end(), s.centre.begin(), s.centre.end());
+  }
+  const std::size_t species = history.empty() ? 0 : history.front().species.mean.size();
+  archive.integers["species"] = {static_cast<std::int64_t>(species)};
+}
+
+std::vector<recovery::HistoryRow> get_history(const Archive& archive) {
+  const std::vector<double>& flat = archive.real("history");
+  const auto species = static_cast<std::ptrdiff_t>(archive.integer("species").at(0));
+  std::vector<recovery::HistoryRow> history;
+  for (auto at = flat.begin(); at != flat.end();) {
+    recovery::HistoryRow row;
+    row.species.t_day = at[0];
+    row.species.eta_healthy_min = at[1];
+    row.species.eta_healthy_max = at[2];
+    row.species.far_field_second = at[3];
+    row.volume_ratio = at[4];
+    row.max_displacement_mm = at[5];
+    row.wall_displacement_mm = at[6];
+    row.min_jacobian = at[7];
+    at += scalars_per_row;
+    row.species.mean.assign(at, at + species);
+    at += species;
+    row.species.centre.assign(at, at + species);
+    at += species;
+    history.push_back(std::move(row));
+  }
+  return history;
+}
+
+}  // namespace
+
+void save_checkpoint(const recovery::Checkpoint& checkpoint, const std::filesystem::path& file) {
+  Archive archive;
+  archive.reals["t_s"] = {checkpoint.t_s};
+  archive.reals["species"] = checkpoint.species;
+  archive.reals["nodes"] = flatten(checkpoint.shape.nodes);
+  archive.reals["pressure"] = checkpoint.shape.pressure;
+  put_history(checkpoint.history, archive);
+  archive.save(file);
+}
+
+recovery::Checkpoint load_checkpoint(const std::filesystem::path& file) {
+  const Archive archive = Archive::load(file);
+  return {.t_s = archive.real("t_s").at(0),
+          .species = archive.real("species"),
+          .shape = {unflatten(archive.real("nodes")), archive.real("pressure")},
+          .history = get_history(archive)};
+}
+
+void save_frame(const Frame& frame, const std::filesystem::path& file) {
+  Archive archive;
+  archive.reals["t_day"] = {frame.t_day};
+  archive.reals["species"] = frame.species;
+  archive.reals["points"] = flatten(frame.points);
+  archive.save(file);
+}
+
+Frame load_frame(const std::filesystem::path& file) {
+  const Archive archive = Archive::load(file);
+  return {archive.real("t_day").at(0), archive.real("species"), unflatten(archive.real("points"))};
+}
+
+std::string frame_name(double t_day) {
+  return fmt::format("day_{:07.3f}", t_day);
+}
+
+void save_history(const std::vector<recovery::HistoryRow>& history,
+                  const std::filesystem::path& file) {
+  Archive archive;
+  put_history(history, archive);
+  archive.save(file);
+}
+
+std::vector<recovery::HistoryRow> load_history(const std::filesystem::path& file) {
+  return get_history(Archive::load(file));
+}
+
+void save_tissue(const std::vector<mechanics::Tissue>& tissue, const std::filesystem::path& file) {
+  Archive archive;
+  std::vector<double>& flat = archive.reals["tissue"];
+  for (const mechanics::Tissue& t : tissue) {
+    flat.insert(flat.end(), {t.c1, t.c2, t.kappa, t.density, t.integrity, t.active_stress});
+  }
+  archive.save(file);
+}
+
+std::vector<mechanics::Tissue> load_tissue(const std::filesystem::path& file) {
+  const Archive archive = Archive::load(file);
+  const std::vector<double>& flat = archive.real("tissue");
+  std::vector<mechanics::Tissue> tissue(flat.size() / 6);
+  for (std::size_t i = 0; i < tissue.size(); ++i) {
+    const double* v = flat.data() + 6 * i;
+    tissue[i] = {v[0], v[1], v[2], v[3], v[4], v[5]};
+  }
+  return tissue;
+}
+
+}  // namespace sanatrix::pipeline

@@ -1,0 +1,31 @@
+// What healing keeps on disk: checkpoints while it runs, frames and the healed tissue for later.
+#pragma once
+
+#include <filesystem>
+
+#include "recovery/recovery.hpp"
+
+namespace sanatrix::pipeline {
+
+void save_checkpoint(const recovery::Checkpoint& checkpoint, const std::filesystem::path& file);
+recovery::Checkpoint load_checkpoint(const std::filesystem::path& file);
+
+/// One moment of healing.
+struct Frame {
+  double t_day = 0.0;
+  std::vector<double> species;  ///< vertices x species
+  std::vector<Vec3> points;     ///< vertex positions [m]
+};
+void save_frame(const Frame& frame, const std::filesystem::path& file);
+Frame load_frame(const std::filesystem::path& file);
+/// "day_006.000"; sorts by time.
+std::string frame_name(double t_day);
+
+void save_history(const std::vector<recovery::HistoryRow>& history,
+                  const std::filesystem::path& file);
+std::vector<recovery::HistoryRow> load_history(const std::filesystem::path& file);
+
+void save_tissue(const std::vector<mechanics::Tissue>& tissue, const std::filesystem::path& file);
+std::vector<mechanics::Tissue> load_tissue(const std::filesystem::path& file);
+
+}  // namespace sanatrix::pipeline

@@ -1,0 +1,214 @@
+// The paper's Figs 4-7 of this case, and its four poses, as PNG.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/error.hpp"
+#include "pipeline/result.hpp"
+#include "render/render.hpp"
+
+namespace sanatrix::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::array<double, 3> wound_red{0.75, 0.15, 0.15};
+
+TriMesh skin_of(const CaseResult& r, const SolvedShape& pose) {
+  return extract_surface(r.model.mesh, r.points(pose), {"skin"}).mesh;
+}
+
+render::Actor actor(TriMesh surface) {
+  render::Actor a;
+  a.surface = std::move(surface);
+  return a;
+}
+
+std::string side_words(const CaseResult& r) {
+  return r.side() > 0 ? "patient's LEFT breast operated" : "patient's RIGHT breast operated";
+}
+render::View operated_view(const CaseResult& r) {
+  return r.side() > 0 ? render::View::LeftOblique : render::View::RightOblique;
+}
+render::View operated_profile(const CaseResult& r) {
+  return r.side() > 0 ? render::View::Left : render::View::Right;
+}
+
+render::Panel panel(std::vector<render::Actor> actors, render::View view, std::string title) {
+  render::Panel p;
+  p.actors = std::move(actors);
+  p.view = view;
+  p.title = std::move(title);
+  return p;
+}
+
+void write_poses(const CaseResult& r, const fs::path& file) {
+  const TriMesh prone = extract_surface(r.model.mesh, r.model.mesh.points, {"skin"}).mesh;
+  const std::vector<std::pair<std::string, TriMesh>> poses{
+      {"prone (given)", prone},
+      {"unloaded", skin_of(r, r.unloaded)},
+      {"supine", skin_of(r, r.supine)},
+      {"upright before surgery", skin_of(r, r.before)}};
+  std::vector<render::Panel> panels;
+  for (const render::View view : {render::View::Front, operated_profile(r)}) {
+    for (const auto& [title, skin] : poses) {
+      panels.push_back(panel({actor(skin)}, view, title));
+    }
+  }
+  render::write_picture(panels, 4, file, 420, 380);
+}
+
+/// Outer faces of the cells that are at least half removed.
+TriMesh wound_surface(const CaseResult& r, std::span<const Vec3> pose) {
+  TetMesh part;
+  part.points.assign(pose.begin(), pose.end());
+  for (std::size_t c = 0; c < r.model.mesh.cells.size(); ++c) {
+    if (r.wound.fraction[c] >= 0.5) {
+      part.cells.push_back(r.model.mesh.cells[c]);
+    }
+  }
+  return {part.points, boundary_of(part)};
+}
+
+void write_plan(const CaseResult& r, const fs::path& file) {
+  const std::span<const Vec3> pose = r.points(r.supine);
+  render::Actor skin = actor(skin_of(r, r.supine));
+  skin.opacity = 0.35;
+  render::Actor wound = actor(wound_surface(r, pose));
+  wound.colour = wound_red;
+  std::vector<render::Panel> panels;
+  for (const render::View view : {render::View::Front, operated_view(r), operated_profile(r)}) {
+    panels.push_back(panel({wound, skin}, view, "plan (supine): " + side_words(r)));
+  }
+  render::write_picture(panels, 3, file);
+}
+
+/// Colour range in which one species moves, over all frames.
+std::pair<double, double> range_of(const CaseResult& r, std::size_t species) {
+  double high = 0.0;
+  for (const Frame& frame : r.frames) {
+    for (std::size_t i = species; i < frame.species.size(); i += r.species.size()) {
+      high = std::max(high, frame.species[i]);
+    }
+  }
+  return {0.0, high > 0 ? high : 1.0};
+}
+
+Vec3 wound_centre(const CaseResult& r, std::span<const Vec3> pose) {
+  const std::vector<double> volume = cell_volumes(r.model.mesh, pose);
+  Vec3 centre{};
+  double total = 0.0;
+  for (std::size_t c = 0; c < volume.size(); ++c) {
+    const double weight = volume[c] * r.wound.fraction[c];
+    for (const int vertex : r.model.mesh.cells[c]) {
+      centre += 0.25 * weight * pose[static_cast<std::size_t>(vertex)];
+    }
+    total += weight;
+  }
+  return (1.0 / total) * centre;
+}
+
+/// The operated half of the model, so that the wound fills its picture.
+TetMesh operated_half(const CaseResult& r) {
+  TetMesh half = r.model.mesh;
+  half.cells.clear();
+  half.region.clear();
+  for (std::size_t c = 0; c < r.model.mesh.cells.size(); ++c) {
+    if (r.model.side[c] == r.side() && r.model.in_breast[c]) {
+      half.cells.push_back(r.model.mesh.cells[c]);
+      half.region.push_back(r.model.mesh.region[c]);
+    }
+  }
+  return half;
+}
+
+std::vector<const Frame*> snapshots(const CaseResult& r) {
+  std::vector<const Frame*> chosen;
+  for (const double share : {0.0, 1.0 / 15, 2.0 / 15, 4.0 / 15, 8.0 / 15, 1.0}) {
+    const double day = share * r.frames.back().t_day;
+    const auto nearest = std::ranges::min_element(
+        r.frames, {}, [&](const Frame& frame) { return std::abs(frame.t_day - day); });
+    if (chosen.empty() || chosen.back() != &*nearest) {
+      chosen.push_back(&*nearest);
+    }
+  }
+  return chosen;
+}
+
+void write_species(const CaseResult& r, const fs::path& file) {
+  const TetMesh half = operated_half(r);
+  const std::vector<const Frame*> frames = snapshots(r);
+  std::vector<render::CutPanel> panels;
+  for (std::size_t s = 0; s < r.species.size(); ++s) {
+    const auto [low, high] = range_of(r, s);
+    for (const Frame* frame : frames) {
+      std::vector<double> values;
+      for (std::size_t i = s; i < frame->species.size(); i += r.species.size()) {
+        values.push_back(frame->species[i]);
+      }
+      panels.push_back({.mesh = &half,
+                        .points = frame->points,
+                        .scalar = std::move(values),
+                        .plane_point = wound_centre(r, frame->points),
+                        .plane_normal = {0, 0, 1},
+                        .title = fmt::format("{}, day {:g}", r.species[s].label, frame->t_day),
+                        .bar_title = r.species[s].key + " [-]",
+                        .bar_min = low,
+                        .bar_max = high});
+    }
+  }
+  render::write_cuts(panels, static_cast<int>(frames.size()), file, 320, 280);
+}
+
+void write_histories(const CaseResult& r, const fs::path& folder) {
+  render::Curve volume{"wound", {}, {}};
+  std::vector<render::Curve> means;
+  for (const healing::Species& species : r.species) {
+    means.push_back({species.label, {}, {}});
+  }
+  for (const recovery::HistoryRow& row : r.history) {
+    volume.x.push_back(row.species.t_day);
+    volume.y.push_back(row.volume_ratio);
+    for (std::size_t s = 0; s < means.size(); ++s) {
+      means[s].x.push_back(row.species.t_day);
+      means[s].y.push_back(row.species.mean[s]);
+    }
+  }
+  render::write_plot({volume}, "Volume of the operated region", "days after surgery", "V / V0",
+                     folder / "fig6_volume.png");
+  render::write_plot(means, "Means over the operated region", "days after surgery",
+                     "relative to healthy tissue", folder / "species_means.png");
+}
+
+void write_displacement(const CaseResult& r, const fs::path& file) {
+  const Surface skin = extract_surface(r.model.mesh, r.points(r.after), {"skin"});
+  render::Actor after = actor(skin.mesh);
+  double high = 0.0;
+  for (const int vertex : skin.vertex) {
+    const auto v = static_cast<std::size_t>(vertex);
+    after.arrows.push_back(r.points(r.after)[v] - r.points(r.before)[v]);
+    after.scalar.push_back(1e3 * norm(after.arrows.back()));
+    high = std::max(high, after.scalar.back());
+  }
+  std::vector<render::Panel> panels;
+  for (const render::View view : {render::View::Front, operated_view(r)}) {
+    panels.push_back(panel({actor(skin_of(r, r.before))}, view, "upright before surgery"));
+    panels.push_back(panel({after}, view, "upright after healing: " + side_words(r)));
+    panels.back().bar_title = "displacement [mm]";
+    panels.back().bar_max = std::max(high, 0.1);
+  }
+  render::write_picture(panels, 2, file);
+}
+
+}  // namespace
+
+std::optional<std::string> write_pictures(const CaseResult& result, const fs::path& folder) {
+  return render::with_display([&] {
+    write_poses(result, folder / "poses.png");
+    write_plan(result, folder / "fig4_plan.png");
+    write_species(result, folder / "fig5_species.png");
+    write_histories(result, folder);
+    write_displacement(result, folder / "fig7_displacement.png");
+  });
+}
+
+}  // namespace sanatrix::pipeline

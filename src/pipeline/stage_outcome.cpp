@@ -1,0 +1,159 @@
+// What the surgeon reads: outcome.json, the tissue table, the figures' data and pictures.
+#include <algorithm>
+#include <chrono>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/files.hpp"
+#include "outcome/outcome.hpp"
+#include "pipeline/body.hpp"
+#include "pipeline/result.hpp"
+#include "pipeline/stages.hpp"
+
+namespace sanatrix::pipeline {
+namespace {
+
+using nlohmann::json;
+using Volumes = std::array<outcome::TissueVolumes, 2>;  // [0] right, [1] left
+constexpr std::array side_letter{"R", "L"};
+
+/// Vertices of the operated breast.
+std::vector<bool> operated_vertices(const CaseResult& result) {
+  const TetMesh& mesh = result.model.mesh;
+  std::vector<bool> used(mesh.points.size(), false);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    if (result.model.in_breast[c] && result.model.side[c] == result.side()) {
+      for (const int vertex : mesh.cells[c]) {
+        used[static_cast<std::size_t>(vertex)] = true;
+      }
+    }
+  }
+  return used;
+}
+
+double skin_mass_g(const CaseResult& result, const mechanics::Skin& skin) {
+  const Surface surface =
+      extract_surface(result.model.mesh, result.points(result.unloaded), {"skin"});
+  return 1e3 * surface_area(surface.mesh) * skin.thickness * skin.density;
+}
+
+std::string tissue_table(const Volumes& volumes, double mass_g) {
+  std::string text =
+      "side,breast_cm3,adipose_cm3,fibroglandular_cm3,fibroglandular_to_adipose,model_cm3\n";
+  for (const std::size_t side : {1U, 0U}) {
+    const outcome::TissueVolumes& v = volumes[side];
+    text += fmt::format("{},{:.2f},{:.2f},{:.2f},{:.4f},{:.2f}\n", side_letter[side], v.breast_cm3,
+                        v.adipose_cm3, v.fibroglandular_cm3, v.fibroglandular_cm3 / v.adipose_cm3,
+                        v.model_cm3);
+  }
+  return text + fmt::format("skin_mass_g,{:.1f},,,,\n", mass_g);
+}
+
+std::string volume_history(const CaseResult& result) {
+  std::string text = "t_day,wound_volume_ratio,max_displacement_mm\n";
+  for (const recovery::HistoryRow& row : result.history) {
+    text += fmt::format("{},{:.6f},{:.4f}\n", row.species.t_day, row.volume_ratio,
+                        row.max_displacement_mm);
+  }
+  return text;
+}
+
+json collect_warnings(const Case& patient) {
+  json warnings = json::array();
+  for (const StageInfo& stage : all_stages()) {
+    const auto record = stage.id == Stage::Outcome ? std::nullopt : read_record(patient, stage.id);
+    for (const std::string& warning : record ? record->warnings : std::vector<std::string>{}) {
+      warnings.push_back(stage.name + ": " + warning);
+    }
+  }
+  return warnings;
+}
+
+json collect_seconds(const Case& patient) {
+  json seconds = json::object();
+  for (const StageInfo& stage : all_stages()) {
+    if (const auto record = read_record(patient, stage.id); record && stage.id != Stage::Outcome) {
+      seconds[stage.name] = record->seconds;
+    }
+  }
+  return seconds;
+}
+
+double min_jacobian(const CaseResult& r) {
+  return std::min({r.unloaded.min_jacobian, r.supine.min_jacobian, r.healed.min_jacobian,
+                   r.before.min_jacobian, r.after.min_jacobian});
+}
+
+json outcome_json(const Case& patient, const CaseResult& result, const Volumes& volumes,
+                  double mass_g) {
+  const TetMesh& mesh = result.model.mesh;
+  const outcome::SkinDisplacement moved = outcome::skin_displacement(
+      mesh, result.points(result.before), result.points(result.after), operated_vertices(result));
+  const std::size_t side = result.side() > 0 ? 1 : 0;
+  const double excised_cm3 = 1e6 * result.wound.excised_m3;
+  json j{{"format", "sanatrix-outcome"},
+         {"case", patient.pseudonym},
+         {"notice", "research use only, not a medical device"},
+         {"operated_side", side_letter[side]},
+         {"breast_volume_cm3", json::object()},
+         {"tissue_cm3", json::object()},
+         {"excised_cm3", excised_cm3},
+         {"excised_exact_cm3", 1e6 * result.wound.exact_m3},
+         {"excised_percent", 100 * excised_cm3 / volumes[side].breast_cm3},
+         {"resection_to_skin_mm", 1e3 * result.wound.min_skin_distance_m},
+         {"resection_to_chest_mm", 1e3 * result.wound.min_chest_distance_m},
+         {"wound_volume_ratio_final", result.history.back().volume_ratio},
+         {"max_displacement_upright_mm", moved.max_mm},
+         {"mean_displacement_upright_mm", moved.mean_mm},
+         {"min_jacobian", min_jacobian(result)},
+         {"skin_mass_g", mass_g},
+         {"mesh", {{"vertices", mesh.points.size()}, {"cells", mesh.cells.size()}}}};
+  for (const std::size_t s : {0U, 1U}) {
+    j["breast_volume_cm3"][side_letter[s]] = volumes[s].breast_cm3;
+    j["tissue_cm3"][side_letter[s]] = {{"adipose", volumes[s].adipose_cm3},
+                                       {"fibroglandular", volumes[s].fibroglandular_cm3},
+                                       {"model", volumes[s].model_cm3}};
+  }
+  return j;
+}
+
+void write_fig7(const CaseResult& result, const std::filesystem::path& file) {
+  io::Fields moved;
+  moved.point.push_back(displacement_mm(result.points(result.before), result.points(result.after)));
+  write_skin(result.model.mesh, result.points(result.after), moved, file);
+}
+
+}  // namespace
+
+StageNotes run_outcome(const StageInput& in) {
+  const auto start = std::chrono::steady_clock::now();
+  const CaseResult result = load_result(in.patient);
+  const Volumes volumes = outcome::tissue_volumes(result.model.mesh, result.model.mesh.points,
+                                                  result.model.fibroglandular, result.model.side,
+                                                  result.model.in_breast);
+  const double mass_g = skin_mass_g(result, tissue_values(in.parameters()).skin);
+  json j = outcome_json(in.patient, result, volumes, mass_g);
+  write_text(in.out / "tissue_table.csv", tissue_table(volumes, mass_g));
+  write_text(in.out / "volume_history.csv", volume_history(result));
+  write_fig7(result, in.out / "skin_displacement.vtp");
+
+  StageNotes notes;
+  if (in.parameters().text("outcome.pictures") == "yes") {
+    in.ctx.at(0.2, "pictures");
+    if (const auto reason = write_pictures(result, in.out)) {
+      notes.warnings.push_back("no pictures: " + *reason);
+    }
+  }
+  j["warnings"] = collect_warnings(in.patient);
+  for (const std::string& warning : notes.warnings) {
+    j["warnings"].push_back("outcome: " + warning);
+  }
+  j["seconds"] = collect_seconds(in.patient);
+  j["seconds"]["outcome"] =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_text(in.out / "outcome.json", j.dump(2) + "\n");
+  return notes;
+}
+
+}  // namespace sanatrix::pipeline

@@ -1,0 +1,121 @@
+// A tetrahedral mesh cut open: the cut face in colours, the half behind it translucent.
+#include <algorithm>
+#include <cmath>
+
+#include <vtkActor.h>
+#include <vtkCellArray.h>
+#include <vtkClipPolyData.h>
+#include <vtkCutter.h>
+#include <vtkDoubleArray.h>
+#include <vtkGeometryFilter.h>
+#include <vtkLookupTable.h>
+#include <vtkNew.h>
+#include <vtkPlane.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkPolyDataNormals.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+#include <vtkUnstructuredGrid.h>
+
+#include "core/error.hpp"
+#include "render/colours.hpp"
+#include "render/render.hpp"
+#include "render/sheet.hpp"
+
+namespace sanatrix::render {
+namespace {
+
+/// Square to the cut, from the side from which doctors look: axial from the feet with anterior up,
+/// coronal from the front, sagittal from the patient's left.
+Viewpoint viewpoint_of(const Vec3& normal) {
+  const Vec3 n = normalised(normal);
+  const double x = std::abs(n[0]), y = std::abs(n[1]), z = std::abs(n[2]);
+  const bool axial = z >= x && z >= y;
+  const Vec3 usual = axial ? Vec3{0, 0, -1} : y >= x ? Vec3{0, -1, 0} : Vec3{1, 0, 0};
+  const Vec3 towards = dot(n, usual) < 0 ? -1.0 * n : n;
+  const Vec3 wanted_up = axial ? Vec3{0, -1, 0} : Vec3{0, 0, 1};
+  return {towards, normalised(wanted_up - dot(wanted_up, towards) * towards)};
+}
+
+vtkNew<vtkUnstructuredGrid> grid_of(const CutPanel& panel) {
+  ensure(panel.mesh != nullptr && panel.points.size() == panel.mesh->points.size() &&
+             panel.scalar.size() == panel.points.size(),
+         "a cut needs a position and a value for every vertex");
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkDoubleArray> scalars;
+  for (std::size_t i = 0; i < panel.points.size(); ++i) {
+    points->InsertNextPoint(panel.points[i].data());
+    scalars->InsertNextValue(panel.scalar[i]);
+  }
+  vtkNew<vtkCellArray> cells;
+  for (const auto& [a, b, c, d] : panel.mesh->cells) {
+    cells->InsertNextCell({a, b, c, d});
+  }
+  vtkNew<vtkUnstructuredGrid> grid;
+  grid->SetPoints(points);
+  grid->SetCells(VTK_TETRA, cells);
+  grid->GetPointData()->SetScalars(scalars);
+  return grid;
+}
+
+void add_cut_face(vtkRenderer& scene, vtkUnstructuredGrid& grid, vtkPlane& plane,
+                  vtkLookupTable& colours) {
+  vtkNew<vtkCutter> cutter;
+  cutter->SetInputData(&grid);
+  cutter->SetCutFunction(&plane);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputConnection(cutter->GetOutputPort());
+  mapper->SetLookupTable(&colours);
+  mapper->UseLookupTableScalarRangeOn();
+  mapper->InterpolateScalarsBeforeMappingOn();
+  vtkNew<vtkActor> prop;
+  prop->SetMapper(mapper);
+  prop->GetProperty()->LightingOff();  // the colours are numbers
+  scene.AddActor(prop);
+}
+
+void add_rest(vtkRenderer& scene, vtkUnstructuredGrid& grid, vtkPlane& plane) {
+  vtkNew<vtkGeometryFilter> boundary;
+  boundary->SetInputData(&grid);
+  vtkNew<vtkPolyDataNormals> normals;
+  normals->SetInputConnection(boundary->GetOutputPort());
+  normals->SplittingOff();
+  vtkNew<vtkClipPolyData> behind;
+  behind->SetInputConnection(normals->GetOutputPort());
+  behind->SetClipFunction(&plane);
+  behind->InsideOutOn();  // the plane's normal points to the viewer
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputConnection(behind->GetOutputPort());
+  mapper->ScalarVisibilityOff();
+  vtkNew<vtkActor> prop;
+  prop->SetMapper(mapper);
+  prop->GetProperty()->SetColor(0.83, 0.66, 0.56);
+  prop->GetProperty()->SetOpacity(0.3);
+  scene.AddActor(prop);
+}
+
+}  // namespace
+
+void write_cuts(const std::vector<CutPanel>& panels, int columns, const std::filesystem::path& file,
+                int panel_width, int panel_height) {
+  const bool with_bars = std::any_of(panels.begin(), panels.end(),
+                                     [](const CutPanel& p) { return !p.bar_title.empty(); });
+  Sheet sheet(panels.size(), columns, panel_width, panel_height, with_bars);
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const CutPanel& panel = panels[i];
+    const Viewpoint viewpoint = viewpoint_of(panel.plane_normal);
+    const auto grid = grid_of(panel);
+    vtkNew<vtkPlane> plane;
+    plane->SetOrigin(panel.plane_point.data());
+    plane->SetNormal(viewpoint.towards_viewer.data());
+    const auto colours = lookup_table(Map::Sequential, panel.bar_min, panel.bar_max);
+    add_cut_face(sheet.scene(i), *grid, *plane, *colours);
+    add_rest(sheet.scene(i), *grid, *plane);
+    sheet.describe(i, viewpoint, {panel.title, panel.bar_title}, *colours);
+  }
+  sheet.save(file);
+}
+
+}  // namespace sanatrix::render

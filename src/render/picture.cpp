@@ -1,0 +1,196 @@
+// Surfaces seen from a named side, coloured by a scalar, with arrows.
+#include <algorithm>
+#include <map>
+
+#include <vtkActor.h>
+#include <vtkArrowSource.h>
+#include <vtkCellArray.h>
+#include <vtkDoubleArray.h>
+#include <vtkGlyph3D.h>
+#include <vtkLookupTable.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+
+#include "core/error.hpp"
+#include "render/colours.hpp"
+#include "render/render.hpp"
+#include "render/sheet.hpp"
+
+namespace sanatrix::render {
+namespace {
+
+constexpr double shortest_arrow_m = 0.0005;
+
+Viewpoint viewpoint_of(View view) {
+  constexpr double h = 0.70710678118654752;
+  constexpr Vec3 superior{0, 0, 1};
+  switch (view) {
+    case View::Front:
+      break;
+    case View::LeftOblique:
+      return {{h, -h, 0}, superior};
+    case View::RightOblique:
+      return {{-h, -h, 0}, superior};
+    case View::Left:
+      return {{1, 0, 0}, superior};
+    case View::Right:
+      return {{-1, 0, 0}, superior};
+    case View::Below:  // as a radiologist sees axial slices: from the feet, anterior up
+      return {{0, 0, -1}, {0, -1, 0}};
+  }
+  return {{0, -1, 0}, superior};
+}
+
+vtkNew<vtkDoubleArray> vtk_vectors(const std::vector<Vec3>& values) {
+  vtkNew<vtkDoubleArray> array;
+  array->SetNumberOfComponents(3);
+  for (const Vec3& value : values) {
+    array->InsertNextTuple(value.data());
+  }
+  return array;
+}
+
+vtkNew<vtkPoints> vtk_points(const std::vector<Vec3>& values) {
+  vtkNew<vtkPoints> points;
+  points->SetData(vtk_vectors(values));
+  return points;
+}
+
+void add_surface(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours) {
+  vtkNew<vtkCellArray> triangles;
+  for (const auto& [a, b, c] : actor.surface.triangles) {
+    triangles->InsertNextCell({a, b, c});
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(vtk_points(actor.surface.points));
+  data->SetPolys(triangles);
+  data->GetPointData()->SetNormals(vtk_vectors(vertex_normals(actor.surface)));
+  vtkNew<vtkPolyDataMapper> mapper;
+  if (!actor.scalar.empty()) {
+    ensure(actor.scalar.size() == actor.surface.points.size(), "{} colours for {} vertices",
+           actor.scalar.size(), actor.surface.points.size());
+    vtkNew<vtkDoubleArray> scalars;
+    for (const double value : actor.scalar) {
+      scalars->InsertNextValue(value);
+    }
+    data->GetPointData()->SetScalars(scalars);
+    mapper->SetLookupTable(&colours);
+    mapper->UseLookupTableScalarRangeOn();
+    mapper->InterpolateScalarsBeforeMappingOn();
+  }
+  mapper->SetInputData(data);
+  vtkNew<vtkActor> prop;
+  prop->SetMapper(mapper);
+  vtkProperty& look = *prop->GetProperty();
+  look.SetColor(actor.colour[0], actor.colour[1], actor.colour[2]);
+  look.SetOpacity(actor.opacity);
+  look.SetAmbient(actor.scalar.empty() ? 0.15 : 0.45);  // colours that carry numbers stay readable
+  look.SetDiffuse(actor.scalar.empty() ? 0.85 : 0.55);
+  if (actor.wireframe) {
+    look.SetRepresentationToWireframe();
+    look.LightingOff();
+  }
+  scene.AddActor(prop);
+}
+
+/// The longest arrow of every cube of a coarse grid: more would hide each other.
+std::vector<std::size_t> chosen_arrows(const Actor& actor, double spacing) {
+  std::map<std::array<long, 3>, std::size_t> longest;
+  for (std::size_t i = 0; i < actor.arrows.size(); ++i) {
+    if (norm(actor.arrows[i]) < shortest_arrow_m) {
+      continue;
+    }
+    std::array<long, 3> cube;
+    for (std::size_t k = 0; k < 3; ++k) {
+      cube[k] = std::lround(actor.surface.points[i][k] / spacing);
+    }
+    const auto [found, is_new] = longest.try_emplace(cube, i);
+    if (!is_new && norm(actor.arrows[i]) > norm(actor.arrows[found->second])) {
+      found->second = i;
+    }
+  }
+  std::vector<std::size_t> chosen;
+  for (const auto& [cube, i] : longest) {
+    chosen.push_back(i);
+  }
+  return chosen;
+}
+
+double diagonal(const std::vector<Vec3>& points) {
+  Vec3 low = points.front(), high = points.front();
+  for (const Vec3& p : points) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], p[k]);
+      high[k] = std::max(high[k], p[k]);
+    }
+  }
+  return norm(high - low);
+}
+
+/// Arrows of true length, coloured by it in millimetres.
+void add_arrows(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours) {
+  std::vector<Vec3> feet, vectors;
+  vtkNew<vtkDoubleArray> millimetres;
+  for (const std::size_t i : chosen_arrows(actor, diagonal(actor.surface.points) / 28)) {
+    feet.push_back(actor.surface.points[i]);
+    vectors.push_back(actor.arrows[i]);
+    millimetres->InsertNextValue(1e3 * norm(actor.arrows[i]));
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(vtk_points(feet));
+  data->GetPointData()->SetVectors(vtk_vectors(vectors));
+  data->GetPointData()->SetScalars(millimetres);
+  vtkNew<vtkArrowSource> shape;
+  shape->SetTipResolution(16);
+  shape->SetShaftResolution(12);
+  shape->SetTipRadius(0.2);
+  shape->SetShaftRadius(0.07);
+  vtkNew<vtkGlyph3D> glyphs;
+  glyphs->SetInputData(data);
+  glyphs->SetSourceConnection(shape->GetOutputPort());
+  glyphs->SetVectorModeToUseVector();
+  glyphs->SetScaleModeToScaleByVector();
+  glyphs->SetColorModeToColorByScalar();
+  glyphs->SetScaleFactor(1.0);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputConnection(glyphs->GetOutputPort());
+  mapper->SetLookupTable(&colours);
+  mapper->UseLookupTableScalarRangeOn();
+  vtkNew<vtkActor> prop;
+  prop->SetMapper(mapper);
+  scene.AddActor(prop);
+}
+
+}  // namespace
+
+void write_picture(const std::vector<Panel>& panels, int columns, const std::filesystem::path& file,
+                   int panel_width, int panel_height) {
+  const bool with_bars = std::any_of(panels.begin(), panels.end(),
+                                     [](const Panel& p) { return !p.bar_title.empty(); });
+  Sheet sheet(panels.size(), columns, panel_width, panel_height, with_bars);
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const Panel& panel = panels[i];
+    const auto colours = lookup_table(panel.diverging ? Map::Diverging : Map::Sequential,
+                                      panel.bar_min, panel.bar_max);
+    for (const Actor& actor : panel.actors) {
+      if (actor.surface.triangles.empty()) {
+        continue;
+      }
+      add_surface(sheet.scene(i), actor, *colours);
+      if (!actor.arrows.empty()) {
+        ensure(actor.arrows.size() == actor.surface.points.size(), "{} arrows for {} vertices",
+               actor.arrows.size(), actor.surface.points.size());
+        add_arrows(sheet.scene(i), actor, *colours);
+      }
+    }
+    sheet.describe(i, viewpoint_of(panel.view), {panel.title, panel.bar_title}, *colours);
+  }
+  sheet.save(file);
+}
+
+}  // namespace sanatrix::render

@@ -1,0 +1,61 @@
+// A picture in the making: panels in a grid with titles, orientation letters, the patient's side in
+// words, a length scale and a colour bar. All panels show the same region at the same scale.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <vtkSmartPointer.h>
+
+#include "geometry/vec3.hpp"
+
+class vtkLookupTable;
+class vtkRenderer;
+class vtkRenderWindow;
+
+namespace sanatrix::render {
+
+/// Unit vectors: from the scene to the viewer, and what is up in the picture.
+struct Viewpoint {
+  Vec3 towards_viewer, up;
+};
+
+struct PanelText {
+  std::string title;
+  std::string bar_title;  ///< empty: no colour bar
+};
+
+/// "L", or "LP" for a direction half-way between left and posterior.
+std::string orientation_letters(const Vec3& direction);
+
+class Sheet {
+ public:
+  /// Width and height of one panel in pixels.
+  Sheet(std::size_t panels, int columns, int width, int height, bool with_bars);
+  ~Sheet();
+  Sheet(const Sheet&) = delete;
+  Sheet& operator=(const Sheet&) = delete;
+
+  /// Add props to this, in metres.
+  [[nodiscard]] vtkRenderer& scene(std::size_t panel) { return *panels_[panel].scene; }
+  void describe(std::size_t panel, const Viewpoint& viewpoint, const PanelText& text,
+                vtkLookupTable& colours);
+  /// Points the cameras, draws and writes a PNG; aside and renamed.
+  void save(const std::filesystem::path& file);
+
+ private:
+  struct PanelView {
+    vtkSmartPointer<vtkRenderer> scene;
+    vtkSmartPointer<vtkRenderer> legend;  ///< null: no colour bars on this sheet
+    Viewpoint viewpoint{{0, -1, 0}, {0, 0, 1}};
+  };
+  void point_cameras();
+  void add_scale(vtkRenderer& scene, double half_height) const;
+
+  int scene_width_, scene_height_, font_size_;
+  vtkSmartPointer<vtkRenderWindow> window_;
+  std::vector<PanelView> panels_;
+};
+
+}  // namespace sanatrix::render

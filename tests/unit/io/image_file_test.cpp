@@ -1,0 +1,123 @@
+// Images keep their voxels and their place in the patient through every format.
+#include "io/image_file.hpp"
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.hpp"
+#include "core/files.hpp"
+#include "shared_data.hpp"
+
+namespace sanatrix::io {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class ImageFile : public ::testing::Test {
+ protected:
+  ImageFile() { fs::create_directories(folder_); }
+  ~ImageFile() override { fs::remove_all(folder_); }
+  fs::path folder_ = fs::path(::testing::TempDir()) / "sanatrix_image_file";
+};
+
+/// Oblique, anisotropic, off centre.
+template <class T>
+Image3<T> oblique_image() {
+  Image3<T> image;
+  image.size = {5, 4, 3};
+  image.spacing_mm = {0.6, 0.7, 3.0};
+  image.origin_mm = {-120.5, 33.25, -80.125};
+  const double c = std::cos(0.2), s = std::sin(0.2);
+  image.direction = {{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}};
+  for (int i = 0; i < 60; ++i) {
+    image.voxels.push_back(static_cast<T>(i % 11));
+  }
+  return image;
+}
+
+template <class T>
+void expect_same(const Image3<T>& a, const Image3<T>& b) {
+  EXPECT_EQ(a.size, b.size);
+  EXPECT_EQ(a.voxels, b.voxels);
+  for (const Vec3& index : {Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 3, 0}, Vec3{0, 0, 2}}) {
+    // NIfTI stores its matrix in single precision: 120 mm to 1e-5 mm.
+    EXPECT_NEAR(norm(a.position_mm(index[0], index[1], index[2]) -
+                     b.position_mm(index[0], index[1], index[2])),
+                0.0, 5e-5);
+  }
+}
+
+TEST_F(ImageFile, EveryFormatGivesBackVoxelsAndPlace) {
+  for (const char* extension : {".nii.gz", ".nii", ".nrrd", ".mha"}) {
+    SCOPED_TRACE(extension);
+    const fs::path file = folder_ / (std::string("a") + extension);
+    write_labels(oblique_image<unsigned char>(), file);
+    expect_same(read_labels(file), oblique_image<unsigned char>());
+    write_image(oblique_image<float>(), file);
+    expect_same(read_image(file), oblique_image<float>());
+  }
+}
+
+TEST_F(ImageFile, LabelsThatAreNotLabelsAreRefused) {
+  for (const float bad : {0.5F, -1.0F, 256.0F}) {
+    Image3<float> image = oblique_image<float>();
+    image.voxels[7] = bad;
+    write_image(image, folder_ / "a.nrrd");
+    try {
+      read_labels(folder_ / "a.nrrd");
+      ADD_FAILURE() << bad << " was accepted";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault(), Fault::Input);
+      EXPECT_THAT(e.what(), HasSubstr("a.nrrd is not a label image"));
+    }
+  }
+}
+
+TEST_F(ImageFile, MissingForeignAndTruncatedFilesAreNamed) {
+  const auto message = [](const fs::path& file) {
+    try {
+      read_image(file);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault(), Fault::Input);
+      return e.one_line();
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(message(folder_ / "absent.nii.gz"), HasSubstr("absent.nii.gz does not exist"));
+  write_text(folder_ / "text.nii.gz", "not an image");
+  EXPECT_THAT(message(folder_ / "text.nii.gz"), HasSubstr("text.nii.gz"));
+  Image3<float> image = oblique_image<float>();
+  image.size = {50, 40, 30};
+  image.voxels.resize(60000);
+  for (std::size_t i = 0; i < image.voxels.size(); ++i) {
+    image.voxels[i] = static_cast<float>((i * 7919) % 1009);
+  }
+  for (const char* name : {"a.nii.gz", "a.nrrd", "a.mha", "a.nii"}) {
+    write_image(image, folder_ / name);
+    const std::string all = read_text(folder_ / name);
+    write_text(folder_ / name, all.substr(0, all.size() / 2));
+    EXPECT_THAT(message(folder_ / name), HasSubstr(name));
+  }
+}
+
+TEST_F(ImageFile, ReadsADevelopmentPatientInBothFormats) {
+  SANATRIX_REQUIRE_SHARED("data/dev01/labels_mri.nrrd");
+  const LabelImage nrrd = read_labels(shared_file);
+  const LabelImage nifti = read_labels(shared_file.parent_path() / "labels_mri.nii.gz");
+  EXPECT_EQ(nrrd.size, (std::array<int, 3>{574, 368, 58}));
+  EXPECT_TRUE(nrrd.voxels == nifti.voxels);
+  EXPECT_NEAR(norm(nrrd.position_mm(573, 367, 57) - nifti.position_mm(573, 367, 57)), 0.0, 1e-3);
+  // DATA.md: the tumour of this patient lies here (LPS).
+  const Vec3 at = nrrd.continuous_index({94.16, -30.93, 6.31});
+  const auto nearest = [](double x) {
+    return static_cast<int>(std::lround(x));
+  };
+  EXPECT_EQ(nrrd.at(nearest(at[0]), nearest(at[1]), nearest(at[2])),
+            static_cast<unsigned char>(Label::Tumour));
+}
+
+}  // namespace
+}  // namespace sanatrix::io
