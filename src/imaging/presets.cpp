@@ -35,8 +35,8 @@ LabelTable pelicano_table() {
                    .skin_limit_mm = 2.0,
                    .half_height_mm = 90.0};
   constexpr std::array<double, 7> water{1.0, 0.86, 0.68, 0.50, 0.30, 0.14, 0.04};
-  // Adipose tissue itself holds about this much water, so it is where the gland fraction starts.
-  constexpr double adipose_water = 0.14;
+  // The least fatty of the three levels that the source still calls fat: no gland up to here.
+  constexpr double adipose_water = 0.30;
   for (const double w : water) {
     const double fraction = std::max(0.0, (w - adipose_water) / (1.0 - adipose_water));
     table.tissue.push_back({w > 0.5 ? Fibroglandular : Adipose, fraction});

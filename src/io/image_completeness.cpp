@@ -1,3 +1,4 @@
+// Counts the bytes that a complete image file must have.
 #include "io/image_completeness.hpp"
 
 #include <charconv>

@@ -26,7 +26,7 @@ struct Point {
   std::array<double, 4> Np;     // pressure basis values
   std::array<Vec3, Nodes> G;    // gradients in the known configuration [1/m]
   Mat3 H;                       // d sought / d known
-  double p;
+  double p;                     // without the active part [Pa]
 };
 
 template <std::size_t Nodes>
@@ -54,7 +54,7 @@ Point<Nodes> make_point(const CellInput& in, const QuadraturePoint<4>& q) {
     }
   }
   for (std::size_t v = 0; v < 4; ++v) {
-    point.p += q.lambda[v] * in.pressure[v];
+    point.p += q.lambda[v] * (in.pressure[v] - in.tissue.active_stress);
   }
   return point;
 }
@@ -242,7 +242,7 @@ void add_pressure_block(const CellInput& in, const PressureMass& block, const Po
   std::array<double, 4> Bp{};
   for (std::size_t q = 0; q < 4; ++q) {
     for (std::size_t r = 0; r < 4; ++r) {
-      Bp[q] += block.M[q][r] * in.pressure[r];
+      Bp[q] += block.M[q][r] * (in.pressure[r] - in.tissue.active_stress);
     }
     out.residual[3 * Nodes + q] -= j * Bp[q];
   }

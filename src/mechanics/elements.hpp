@@ -28,6 +28,9 @@ struct CellInput {
 ///   stabilisation,
 /// with the polynomial pressure projection of Bochev and Dohrmann for P1/P1
 /// (doi:10.1137/S0036142905444482), integrated in the reference measure.
+/// The nodal pressure carries the active stress: p_nodal = p + T. Normal stress is continuous
+/// across the wall of a wound while p jumps by about T; without the shift a continuous field would
+/// smear that jump over the wall's cells (measured: 11 % instead of 8 % contraction of a sphere).
 /// Unknowns: displacement node-major xyz, then 4 pressures. residual: 3 Nodes + 4; matrix: its
 /// square, row-major, or empty. Returns the smallest det F; when it is not positive the outputs are
 /// not written.

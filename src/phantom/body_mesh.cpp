@@ -11,7 +11,7 @@ namespace sanatrix::phantom {
 namespace {
 
 constexpr double mm = 1e-3;
-constexpr double usual_radius = 68.0 * mm;
+constexpr double usual_radius = 63.0 * mm;
 constexpr int layers = 4;
 constexpr std::array<std::array<std::size_t, 3>, 6> orders{
     {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};

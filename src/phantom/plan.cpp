@@ -67,12 +67,14 @@ bool is_air(const LabelImage& image, const Vec3& p_mm) {
   return image.at(at[0], at[1], at[2]) == 0;
 }
 
-json rounded(const Vec3& p, double step) {
-  json result = json::array();
-  for (const double x : p) {
-    result.push_back(std::round(x / step) * step);
-  }
-  return result;
+/// With this many decimals, so that the file reads like a measurement.
+double rounded(double x, int decimals) {
+  const double scale = std::pow(10.0, decimals);
+  return std::round(x * scale) / scale;
+}
+
+json rounded(const Vec3& p, int decimals) {
+  return {rounded(p[0], decimals), rounded(p[1], decimals), rounded(p[2], decimals)};
 }
 
 /// Soft tissue in front of the fascia, per side.
@@ -94,12 +96,9 @@ json tissue_volumes(const LabelImage& image) {
         }
       }
     }
-    const auto tenth = [](double x) {
-      return std::round(10.0 * x) / 10.0;
-    };
-    result[side > 0 ? "L" : "R"] = {{"soft_tissue_in_slab_cm3", tenth(soft)},
-                                    {"fgt_cm3", tenth(gland)},
-                                    {"adipose_front_cm3", tenth(fat)}};
+    result[side > 0 ? "L" : "R"] = {{"soft_tissue_in_slab_cm3", rounded(soft, 1)},
+                                    {"fgt_cm3", rounded(gland, 1)},
+                                    {"adipose_front_cm3", rounded(fat, 1)}};
   }
   return result;
 }
@@ -134,21 +133,22 @@ std::string plan_json(const LabelImage& labels, const Anatomy& anatomy, const st
   plan["anatomy_source"] = "built-in phantom of Sanatrix";
   plan["operated_side"] = side > 0 ? "L" : "R";
   plan["quadrant"] = quadrant(tumour.centre_mm - (side > 0 ? nipple_l : nipple_r), side);
-  plan["tumour"] = {{"centre_lps_mm", rounded(tumour.centre_mm, 0.01)},
-                    {"equivalent_radius_mm", std::round(100.0 * radius_mm) / 100.0},
-                    {"max_radius_mm", farthest_mm(labels, Label::Tumour, tumour.centre_mm)},
-                    {"volume_cm3", volume_mm3 * 1e-3},
-                    {"label", 8}};
+  plan["tumour"] = {
+      {"centre_lps_mm", rounded(tumour.centre_mm, 2)},
+      {"equivalent_radius_mm", rounded(radius_mm, 2)},
+      {"max_radius_mm", rounded(farthest_mm(labels, Label::Tumour, tumour.centre_mm), 2)},
+      {"volume_cm3", rounded(volume_mm3 * 1e-3, 3)},
+      {"label", 8}};
   plan["planned_margin_mm"] = margin_mm;
   plan["resection"] = {
       {"shape", "cylinder, axis = chest-wall normal through tumour centre, from skin to fascia"},
-      {"axis_towards_skin_lps", rounded(axis, 1e-4)},
-      {"radius_mm", std::round(10.0 * (radius_mm + margin_mm)) / 10.0},
-      {"chest_wall_point_lps_mm", rounded(foot_mm, 0.1)},
-      {"skin_entry_point_lps_mm", rounded(tumour.centre_mm + to_skin_mm * axis, 0.1)},
-      {"distance_skin_mm", std::round(10.0 * to_skin_mm) / 10.0},
-      {"distance_chest_wall_mm", std::round(1e4 * place.t) / 10.0}};
-  plan["nipple_lps_mm"] = {{"R", rounded(nipple_r, 0.1)}, {"L", rounded(nipple_l, 0.1)}};
+      {"axis_towards_skin_lps", rounded(axis, 4)},
+      {"radius_mm", rounded(radius_mm + margin_mm, 1)},
+      {"chest_wall_point_lps_mm", rounded(foot_mm, 1)},
+      {"skin_entry_point_lps_mm", rounded(tumour.centre_mm + to_skin_mm * axis, 1)},
+      {"distance_skin_mm", rounded(to_skin_mm, 1)},
+      {"distance_chest_wall_mm", rounded(place.t / mm, 1)}};
+  plan["nipple_lps_mm"] = {{"R", rounded(nipple_r, 1)}, {"L", rounded(nipple_l, 1)}};
   plan["midline_x_mm"] = 0.0;
   plan["nipple_note"] = "centroid of the nipple label";
   plan["tissue_volumes"] = tissue_volumes(labels);

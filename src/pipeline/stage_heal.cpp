@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Writes frames and checkpoints. A checkpoint is never ahead of the frames, whatever the order of
-/// the calls, so that a resumed run has every frame.
+/// Writes frames and checkpoints; a frame comes before its checkpoint, so that a resumed run has
+/// every frame.
 class Keeper {
  public:
   Keeper(const StageInput& in, const meshing::BreastModel& model, const healing::Model& biology,
@@ -28,25 +28,15 @@ class Keeper {
   void observe(double t_day, std::span<const double> species, const mechanics::Shape& shape) {
     if (in_.writes) {
       write_frame(t_day, species, vertices(model_.mesh, shape));
-      last_day_ = t_day;
-      flush();
     }
   }
   void save(const recovery::Checkpoint& checkpoint) {
     if (in_.writes) {
-      pending_ = checkpoint;
-      flush();
+      save_checkpoint(checkpoint, in_.out / "checkpoint.bin");
     }
   }
 
  private:
-  void flush() {
-    constexpr double day = 86400.0, slack = 1e-6;
-    if (pending_ && pending_->t_s <= (last_day_ + slack) * day) {
-      save_checkpoint(*pending_, in_.out / "checkpoint.bin");
-      pending_.reset();
-    }
-  }
   void write_frame(double t_day, std::span<const double> species, std::span<const Vec3> pose) {
     const std::size_t n = biology_.species().size();
     io::Fields fields;
@@ -72,8 +62,6 @@ class Keeper {
   const healing::Model& biology_;
   const std::vector<double>& wound_;
   std::vector<Vec3> start_;
-  std::optional<recovery::Checkpoint> pending_;
-  double last_day_ = -1.0;
 };
 
 void write_series(const fs::path& folder) {

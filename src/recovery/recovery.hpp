@@ -38,10 +38,10 @@ struct Checkpoint {
 
 struct Result {
   std::vector<HistoryRow> history;
-  mechanics::Shape healed;             ///< supine equilibrium at the end
-  std::vector<double> species;         ///< vertices x species at the end
+  mechanics::Shape healed;                ///< supine equilibrium at the end
+  std::vector<double> species;            ///< vertices x species at the end
   std::vector<mechanics::Tissue> tissue;  ///< per cell at the end
-  mechanics::SolveReport totals;       ///< summed over all solves
+  mechanics::SolveReport totals;          ///< summed over all solves
   double seconds_species = 0.0, seconds_mechanics = 0.0;
 };
 
@@ -54,11 +54,11 @@ std::vector<mechanics::Tissue> healing_tissue(std::span<const mechanics::Tissue>
                                               const healing::WoundMechanics& wound);
 
 struct Problem {
-  const mechanics::Body* body = nullptr;          ///< with healthy tissue
-  std::span<const Vec3> reference_nodes;          ///< stress-free shape
-  mechanics::Shape start;                         ///< equilibrium before surgery (supine)
-  std::span<const Vec3> species_points;           ///< vertex positions on which species diffuse
-  std::vector<double> wound_fraction;             ///< per cell
+  const mechanics::Body* body = nullptr;  ///< with healthy tissue
+  std::span<const Vec3> reference_nodes;  ///< stress-free shape
+  mechanics::Shape start;                 ///< equilibrium before surgery (supine)
+  std::span<const Vec3> species_points;   ///< vertex positions on which species diffuse
+  std::vector<double> wound_fraction;     ///< per cell
   Vec3 gravity{};
   const healing::Model* model = nullptr;
   healing::RdOptions species_options;
@@ -66,7 +66,8 @@ struct Problem {
 };
 using Save = std::function<void(const Checkpoint&)>;  ///< called after every mechanics step
 /// Called after every mechanics step with time, species (vertices x species) and shape.
-using Observe = std::function<void(double t_day, std::span<const double> species, const mechanics::Shape&)>;
+using Observe =
+    std::function<void(double t_day, std::span<const double> species, const mechanics::Shape&)>;
 
 Result heal(const Problem& problem, const std::optional<Checkpoint>& resume, const Save& save,
             const Observe& observe, const Context& ctx);

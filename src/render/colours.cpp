@@ -1,3 +1,4 @@
+// Viridis and blue-white-red as VTK tables.
 #include "render/colours.hpp"
 
 #include <cmath>

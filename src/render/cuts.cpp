@@ -1,6 +1,5 @@
 // A tetrahedral mesh cut open: the cut face in colours, the half behind it translucent.
 #include <algorithm>
-#include <cmath>
 
 #include <vtkActor.h>
 #include <vtkCellArray.h>
@@ -26,18 +25,6 @@
 
 namespace sanatrix::render {
 namespace {
-
-/// Square to the cut, from the side from which doctors look: axial from the feet with anterior up,
-/// coronal from the front, sagittal from the patient's left.
-Viewpoint viewpoint_of(const Vec3& normal) {
-  const Vec3 n = normalised(normal);
-  const double x = std::abs(n[0]), y = std::abs(n[1]), z = std::abs(n[2]);
-  const bool axial = z >= x && z >= y;
-  const Vec3 usual = axial ? Vec3{0, 0, -1} : y >= x ? Vec3{0, -1, 0} : Vec3{1, 0, 0};
-  const Vec3 towards = dot(n, usual) < 0 ? -1.0 * n : n;
-  const Vec3 wanted_up = axial ? Vec3{0, -1, 0} : Vec3{0, 0, 1};
-  return {towards, normalised(wanted_up - dot(wanted_up, towards) * towards)};
-}
 
 vtkNew<vtkUnstructuredGrid> grid_of(const CutPanel& panel) {
   ensure(panel.mesh != nullptr && panel.points.size() == panel.mesh->points.size() &&
@@ -105,7 +92,7 @@ void write_cuts(const std::vector<CutPanel>& panels, int columns, const std::fil
   Sheet sheet(panels.size(), columns, panel_width, panel_height, with_bars);
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const CutPanel& panel = panels[i];
-    const Viewpoint viewpoint = viewpoint_of(panel.plane_normal);
+    const Viewpoint viewpoint = viewpoint_of_cut(panel.plane_normal);
     const auto grid = grid_of(panel);
     vtkNew<vtkPlane> plane;
     plane->SetOrigin(panel.plane_point.data());

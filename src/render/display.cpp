@@ -105,6 +105,9 @@ class Child {
     return true;
   }
   [[nodiscard]] bool succeeded() const { return WIFEXITED(status_) && WEXITSTATUS(status_) == 0; }
+  [[nodiscard]] std::string end() const {
+    return WIFSIGNALED(status_) ? ::strsignal(WTERMSIG(status_)) : "no reason given";
+  }
 
  private:
   pid_t parent_;
@@ -133,7 +136,8 @@ std::optional<std::string> read_until_closed(int reading, seconds limit, char la
   return text;
 }
 
-/// In the child: becomes Xvfb, which writes its display number into the pipe.
+/// In the child: becomes Xvfb, which writes its display number into the pipe. Without -noreset it
+/// would start anew whenever a window closes and refuse the next one meanwhile.
 void become_xvfb(const Pipe& number) {
   const int inherited = ::dup(number.writing());  // without close-on-exec
   const int nowhere = ::open("/dev/null", O_RDWR);
@@ -141,7 +145,7 @@ void become_xvfb(const Pipe& number) {
   ::dup2(nowhere, STDERR_FILENO);
   const std::string descriptor = std::to_string(inherited);
   ::execlp("Xvfb", "Xvfb", "-displayfd", descriptor.c_str(), "-screen", "0", "1280x1024x24",
-           "-nolisten", "tcp", static_cast<char*>(nullptr));
+           "-nolisten", "tcp", "-noreset", static_cast<char*>(nullptr));
 }
 
 /// In the child: draws, and says why not. What the graphics stack prints goes to the caller too.
@@ -192,7 +196,7 @@ std::optional<std::string> with_display(const std::function<void()>& work) {
     return fmt::format("drawing took more than {} s", draw_limit.count());
   }
   if (!painter.exited_within(seconds{5}) || !painter.succeeded()) {
-    return said->empty() ? std::string("the graphics stack ended without a word") : one_line(*said);
+    return "the graphics stack failed: " + (said->empty() ? painter.end() : one_line(*said));
   }
   return std::nullopt;
 }

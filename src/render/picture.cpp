@@ -26,26 +26,6 @@ namespace {
 
 constexpr double shortest_arrow_m = 0.0005;
 
-Viewpoint viewpoint_of(View view) {
-  constexpr double h = 0.70710678118654752;
-  constexpr Vec3 superior{0, 0, 1};
-  switch (view) {
-    case View::Front:
-      break;
-    case View::LeftOblique:
-      return {{h, -h, 0}, superior};
-    case View::RightOblique:
-      return {{-h, -h, 0}, superior};
-    case View::Left:
-      return {{1, 0, 0}, superior};
-    case View::Right:
-      return {{-1, 0, 0}, superior};
-    case View::Below:  // as a radiologist sees axial slices: from the feet, anterior up
-      return {{0, 0, -1}, {0, -1, 0}};
-  }
-  return {{0, -1, 0}, superior};
-}
-
 vtkNew<vtkDoubleArray> vtk_vectors(const std::vector<Vec3>& values) {
   vtkNew<vtkDoubleArray> array;
   array->SetNumberOfComponents(3);
@@ -98,8 +78,24 @@ void add_surface(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours
   scene.AddActor(prop);
 }
 
+double diagonal(const std::vector<Vec3>& points) {
+  Vec3 low = points.front(), high = points.front();
+  for (const Vec3& p : points) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], p[k]);
+      high[k] = std::max(high[k], p[k]);
+    }
+  }
+  return norm(high - low);
+}
+
 /// The longest arrow of every cube of a coarse grid: more would hide each other.
-std::vector<std::size_t> chosen_arrows(const Actor& actor, double spacing) {
+std::vector<std::size_t> chosen_arrows(const Actor& actor) {
+  double longest_m = 0;
+  for (const Vec3& arrow : actor.arrows) {
+    longest_m = std::max(longest_m, norm(arrow));
+  }
+  const double spacing = std::max(diagonal(actor.surface.points) / 28, 0.5 * longest_m);
   std::map<std::array<long, 3>, std::size_t> longest;
   for (std::size_t i = 0; i < actor.arrows.size(); ++i) {
     if (norm(actor.arrows[i]) < shortest_arrow_m) {
@@ -121,22 +117,11 @@ std::vector<std::size_t> chosen_arrows(const Actor& actor, double spacing) {
   return chosen;
 }
 
-double diagonal(const std::vector<Vec3>& points) {
-  Vec3 low = points.front(), high = points.front();
-  for (const Vec3& p : points) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], p[k]);
-      high[k] = std::max(high[k], p[k]);
-    }
-  }
-  return norm(high - low);
-}
-
 /// Arrows of true length, coloured by it in millimetres.
 void add_arrows(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours) {
   std::vector<Vec3> feet, vectors;
   vtkNew<vtkDoubleArray> millimetres;
-  for (const std::size_t i : chosen_arrows(actor, diagonal(actor.surface.points) / 28)) {
+  for (const std::size_t i : chosen_arrows(actor)) {
     feet.push_back(actor.surface.points[i]);
     vectors.push_back(actor.arrows[i]);
     millimetres->InsertNextValue(1e3 * norm(actor.arrows[i]));
@@ -148,8 +133,8 @@ void add_arrows(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours)
   vtkNew<vtkArrowSource> shape;
   shape->SetTipResolution(16);
   shape->SetShaftResolution(12);
-  shape->SetTipRadius(0.2);
-  shape->SetShaftRadius(0.07);
+  shape->SetTipRadius(0.16);
+  shape->SetShaftRadius(0.055);
   vtkNew<vtkGlyph3D> glyphs;
   glyphs->SetInputData(data);
   glyphs->SetSourceConnection(shape->GetOutputPort());
@@ -163,6 +148,8 @@ void add_arrows(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours)
   mapper->UseLookupTableScalarRangeOn();
   vtkNew<vtkActor> prop;
   prop->SetMapper(mapper);
+  prop->GetProperty()->SetAmbient(0.45);
+  prop->GetProperty()->SetDiffuse(0.55);
   scene.AddActor(prop);
 }
 

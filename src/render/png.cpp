@@ -1,3 +1,4 @@
+// Pixels of a window as a PNG file; registers VTK's graphics back ends.
 #include "render/png.hpp"
 
 #include <vtkAutoInit.h>

@@ -1,9 +1,9 @@
+// How a sheet is laid out, annotated and drawn.
 #include "render/sheet.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
 
 #include <vtkActor2D.h>
 #include <vtkBoundingBox.h>
@@ -30,8 +30,9 @@ namespace sanatrix::render {
 namespace {
 
 constexpr double legend_share = 0.16;  // of a panel's height, for the colour bar
-// Part of a panel that the scene may fill; the rest is for letters and words.
-constexpr double usable_width = 0.88, usable_height = 0.74;
+// Part of a panel that the scene may fill, and how far its middle is below the panel's; the rest is
+// for the title, letters and words.
+constexpr double usable_width = 0.88, usable_height = 0.74, lowered = 0.045;
 
 enum class Align { Low, Middle, High };
 
@@ -57,14 +58,6 @@ void add_text(vtkRenderer& renderer, const std::string& text, const Place& place
   renderer.AddViewProp(actor);
 }
 
-Vec3 to_the_right(const Viewpoint& view) {
-  return cross(view.up, view.towards_viewer);
-}
-
-std::string side_in_words(double left_component) {
-  return left_component > 0 ? "patient's LEFT" : "patient's RIGHT";
-}
-
 void add_orientation(vtkRenderer& scene, const Viewpoint& view, int size) {
   const Vec3 right = to_the_right(view);
   const Vec3 left = -1.0 * right, down = -1.0 * view.up;
@@ -72,18 +65,18 @@ void add_orientation(vtkRenderer& scene, const Viewpoint& view, int size) {
   const auto letter = [&](const Vec3& direction, const Place& place) {
     add_text(scene, orientation_letters(direction), place, large, true);
   };
-  letter(left, {0.015, 0.5, Align::Low, Align::Middle});
-  letter(right, {0.985, 0.5, Align::High, Align::Middle});
+  letter(left, {0.015, 0.5 - lowered, Align::Low, Align::Middle});
+  letter(right, {0.985, 0.5 - lowered, Align::High, Align::Middle});
   letter(view.up, {0.5, 0.90, Align::Middle, Align::High});
   letter(down, {0.5, 0.015, Align::Middle, Align::Low});
   // With the patient's left-right axis in the picture both sides have words; seen from the side one
   // sentence says which.
   constexpr double in_the_picture = 0.6;
   if (std::abs(right[0]) > in_the_picture) {
-    add_text(scene, side_in_words(left[0]), {0.015, 0.90, Align::Low, Align::High}, size, true);
-    add_text(scene, side_in_words(right[0]), {0.985, 0.90, Align::High, Align::High}, size, true);
+    add_text(scene, side_in_words(left), {0.015, 0.90, Align::Low, Align::High}, size, true);
+    add_text(scene, side_in_words(right), {0.985, 0.90, Align::High, Align::High}, size, true);
   } else {
-    add_text(scene, "seen from the " + side_in_words(view.towards_viewer[0]),
+    add_text(scene, "seen from the " + side_in_words(view.towards_viewer),
              {0.985, 0.02, Align::High, Align::Low}, size, true);
   }
 }
@@ -134,22 +127,6 @@ vtkSmartPointer<vtkRenderer> add_renderer(vtkRenderWindow& window, double x0, do
 }
 
 }  // namespace
-
-std::string orientation_letters(const Vec3& direction) {
-  constexpr std::string_view positive = "LPS", negative = "RAI";
-  constexpr double visible = 0.38;  // sine of 22.5 degrees: half-way to the next letter
-  std::array<std::size_t, 3> order{0, 1, 2};
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::abs(direction[a]) > std::abs(direction[b]) + 1e-9;
-  });
-  std::string letters;
-  for (const std::size_t axis : order) {
-    if (std::abs(direction[axis]) > visible) {
-      letters += direction[axis] > 0 ? positive[axis] : negative[axis];
-    }
-  }
-  return letters;
-}
 
 Sheet::Sheet(std::size_t panels, int columns, int width, int height, bool with_bars)
     : scene_width_(width),
@@ -218,9 +195,10 @@ void Sheet::point_cameras() {
   }
   for (const PanelView& panel : panels_) {
     vtkCamera& camera = *panel.scene->GetActiveCamera();
-    const Vec3 eye = centre + box.GetDiagonalLength() * panel.viewpoint.towards_viewer;
+    const Vec3 middle = centre + (2 * lowered * half_height) * panel.viewpoint.up;
+    const Vec3 eye = middle + box.GetDiagonalLength() * panel.viewpoint.towards_viewer;
     camera.ParallelProjectionOn();
-    camera.SetFocalPoint(centre.data());
+    camera.SetFocalPoint(middle.data());
     camera.SetPosition(eye.data());
     camera.SetViewUp(panel.viewpoint.up.data());
     camera.SetParallelScale(half_height);

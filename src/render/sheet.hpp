@@ -8,7 +8,7 @@
 
 #include <vtkSmartPointer.h>
 
-#include "geometry/vec3.hpp"
+#include "render/viewpoint.hpp"
 
 class vtkLookupTable;
 class vtkRenderer;
@@ -16,18 +16,10 @@ class vtkRenderWindow;
 
 namespace sanatrix::render {
 
-/// Unit vectors: from the scene to the viewer, and what is up in the picture.
-struct Viewpoint {
-  Vec3 towards_viewer, up;
-};
-
 struct PanelText {
   std::string title;
   std::string bar_title;  ///< empty: no colour bar
 };
-
-/// "L", or "LP" for a direction half-way between left and posterior.
-std::string orientation_letters(const Vec3& direction);
 
 class Sheet {
  public:

@@ -1,15 +1,18 @@
 // Files are complete or absent, and the archive gives back every bit or says that it is damaged.
 #include "core/files.hpp"
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "core/archive.hpp"
 #include "core/error.hpp"
+#include "own_folder.hpp"
 
 namespace sanatrix {
 namespace {
@@ -19,17 +22,12 @@ using ::testing::HasSubstr;
 
 class Files : public ::testing::Test {
  protected:
-  Files() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
   ~Files() override { fs::remove_all(folder_); }
   [[nodiscard]] std::size_t file_count() const {
     return static_cast<std::size_t>(
         std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
-  fs::path folder_ = fs::path(::testing::TempDir()) /
-                     ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  fs::path folder_ = testing::own_folder();
 };
 
 template <class F>
@@ -77,6 +75,21 @@ TEST_F(Files, AnUnwritableFolderIsAResourceErrorThatNamesTheFile) {
   const Error e = error_of([&] { write_text(file, "x"); });
   EXPECT_EQ(e.fault(), Fault::Resource);
   EXPECT_THAT(e.what(), HasSubstr(file.string()));
+}
+
+TEST_F(Files, AFileThatDoesNotFitIsAResourceErrorAndLeavesNothing) {
+  // A limit on the size of files stands in for a full disk.
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{100000, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const Error e = error_of([&] { write_text(folder_ / "big.bin", std::string(200000, 'x')); });
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_EQ(e.fault(), Fault::Resource);
+  EXPECT_THAT(e.what(), HasSubstr("big.bin"));
+  EXPECT_EQ(file_count(), 0u);
 }
 
 TEST_F(Files, AMissingFileOrAFolderIsAnInputErrorThatNamesIt) {

@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "own_folder.hpp"
 #include "shared_data.hpp"
 
 namespace sanatrix::io {
@@ -18,9 +19,8 @@ using ::testing::HasSubstr;
 
 class ImageFile : public ::testing::Test {
  protected:
-  ImageFile() { fs::create_directories(folder_); }
   ~ImageFile() override { fs::remove_all(folder_); }
-  fs::path folder_ = fs::path(::testing::TempDir()) / "sanatrix_image_file";
+  fs::path folder_ = testing::own_folder();
 };
 
 /// Oblique, anisotropic, off centre.

@@ -10,6 +10,7 @@
 
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "own_folder.hpp"
 #include "shared_data.hpp"
 #include "simple_meshes.hpp"
 
@@ -22,7 +23,6 @@ using ::testing::HasSubstr;
 
 class MeshFile : public ::testing::Test {
  protected:
-  MeshFile() { fs::create_directories(folder_); }
   ~MeshFile() override { fs::remove_all(folder_); }
   std::string error_of_msh(const std::string& text) {
     const fs::path file = folder_ / "a.msh";
@@ -36,7 +36,7 @@ class MeshFile : public ::testing::Test {
     }
     return "accepted";
   }
-  fs::path folder_ = fs::path(::testing::TempDir()) / "sanatrix_mesh_file";
+  fs::path folder_ = testing::own_folder();
 };
 
 /// Two tetrahedra on one face; node 6 is used by nothing.

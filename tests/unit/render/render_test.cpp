@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "own_folder.hpp"
 #include "simple_meshes.hpp"
 
 namespace sanatrix::render {
@@ -19,13 +20,12 @@ using ::testing::HasSubstr;
 
 class Pictures : public ::testing::Test {
  protected:
-  Pictures() { fs::create_directories(folder_); }
   ~Pictures() override {
     if (std::getenv("SANATRIX_KEEP_PICTURES") == nullptr) {
       fs::remove_all(folder_);
     }
   }
-  fs::path folder_ = fs::path(::testing::TempDir()) / "sanatrix_pictures";
+  fs::path folder_ = testing::own_folder();
 };
 
 /// Skips where there is no Xvfb; any other reason is a failure.

@@ -1,0 +1,61 @@
+# The thin front of Sanatrix: everything a user or a CI machine types. Debian 12.
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+BUILD := build/release
+SANATRIX := $(BUILD)/apps/sanatrix/sanatrix
+JOBS := $(shell nproc)
+export SANATRIX_SHARED ?= $(abspath ../shared)
+# Small problems: threads of the linear algebra libraries only get in each other's way.
+export OMP_NUM_THREADS ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+
+.DEFAULT_GOAL := build
+.PHONY: run build test bench format clean packages configure
+
+## run: build, then take the built-in patient through every step into out/case
+run: build
+	@test -f out/phantom/truth/truth.json || $(SANATRIX) phantom out/phantom
+	@test -f out/case/case.json || $(SANATRIX) new out/case \
+	  --labels out/phantom/labels.nii.gz --plan out/phantom/plan.json
+	@$(SANATRIX) run out/case
+	@echo "against the phantom's truth:"
+	@$(SANATRIX) score out/case out/phantom
+
+## build: install what is missing, then the release build
+build: configure
+	@cmake --build $(BUILD) -j $(JOBS)
+
+## test: build, then all tests
+test: build
+	@ctest --test-dir $(BUILD) --output-on-failure --no-tests=error -j $(JOBS)
+
+## bench: kernels and whole stages
+bench: configure
+	@for source in bench/*_bench.cpp; do \
+	  name=$$(basename $$source .cpp); \
+	  cmake --build $(BUILD) -j $(JOBS) --target $$name && $(BUILD)/bench/$$name; \
+	done
+
+configure: packages
+	@cmake --preset release > /dev/null
+
+# The one list of dependencies is apt-packages.txt; nothing is asked of apt when all are there.
+packages:
+	@missing=$$(sed 's/#.*//' apt-packages.txt | while read -r name; do \
+	  [ -z "$$name" ] || dpkg-query -W -f='$${Status}' "$$name" 2>/dev/null \
+	    | grep -q 'install ok installed' || echo "$$name"; done); \
+	if [ -n "$$missing" ]; then \
+	  as_root=$$([ "$$(id -u)" = 0 ] || echo sudo); \
+	  echo "installing:" $$missing; \
+	  $$as_root apt-get update -q < /dev/null; \
+	  $$as_root env DEBIAN_FRONTEND=noninteractive \
+	    apt-get install -q -y $$missing < /dev/null; \
+	fi
+
+## format: clang-format on all sources
+format:
+	@git ls-files '*.cpp' '*.hpp' | xargs clang-format-16 -i
+
+## clean: remove builds; results in out/ stay
+clean:
+	rm -rf build

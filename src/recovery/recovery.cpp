@@ -1,0 +1,216 @@
+#include "recovery/recovery.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "recovery/wound_shape.hpp"
+
+namespace sanatrix::recovery {
+
+namespace {
+
+constexpr double day_s = 86400.0;
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void add(mechanics::SolveReport& totals, const mechanics::SolveReport& r) {
+  totals.converged = r.converged;
+  totals.newton_iterations += r.newton_iterations;
+  totals.krylov_iterations += r.krylov_iterations;
+  totals.factorisations += r.factorisations;
+  totals.load_steps += r.load_steps;
+  totals.seconds_assembly += r.seconds_assembly;
+  totals.seconds_linear += r.seconds_linear;
+  totals.seconds_total += r.seconds_total;
+  totals.last_residual = r.last_residual;
+  totals.min_jacobian = std::min(totals.min_jacobian, r.min_jacobian);
+}
+
+/// What one mechanics solve tells the history.
+struct Measured {
+  double eta_mean, volume_ratio, max_displacement_mm, wall_displacement_mm, min_jacobian;
+};
+
+class Recovery {
+ public:
+  Recovery(const Problem& problem, const Save& save, const Observe& observe)
+      : problem_(problem),
+        save_(save),
+        observe_(observe),
+        mesh_(*problem.body->mesh),
+        species_(mesh_, problem.species_points, problem.wound_fraction, *problem.model,
+                 problem.species_options),
+        solver_(*problem.body),
+        wound_(mesh_, problem.wound_fraction) {
+    result_.totals.min_jacobian = 1.0;
+  }
+
+  Result run(const std::optional<Checkpoint>& resume, const Context& ctx);
+
+ private:
+  void solve_mechanics(bool traction, const Context& ctx);
+  void operate(const Context& ctx);
+  void continue_from(const Checkpoint& checkpoint, const Context& ctx);
+  void step_to(double t_day, const Context& ctx);
+  [[nodiscard]] Measured measure(double eta_mean) const;
+  [[nodiscard]] healing::SpeciesRecord record_species() const {
+    return healing::record(species_, mesh_, problem_.species_points, problem_.wound_fraction,
+                           *problem_.model);
+  }
+  [[nodiscard]] std::span<const Vec3> vertices(const mechanics::Shape& s) const {
+    return std::span(s.nodes).first(mesh_.points.size());
+  }
+
+  const Problem& problem_;
+  const Save& save_;
+  const Observe& observe_;
+  const TetMesh& mesh_;
+  healing::ReactionDiffusion species_;
+  mechanics::Solver solver_;
+  WoundShape wound_;
+  mechanics::Shape shape_;
+  double volume0_ = 0.0;
+  Measured last_{};
+  Result result_;
+};
+
+/// Equilibrium with the tissue of the moment, starting from the last one.
+void Recovery::solve_mechanics(bool traction, const Context& ctx) {
+  healing::WoundMechanics wound = problem_.model->mechanics();
+  wound.active_stress = traction ? wound.active_stress : 0.0;
+  result_.tissue = healing_tissue(problem_.body->tissue, problem_.wound_fraction,
+                                  species_.cell_density(), wound);
+  solver_.set_tissue(result_.tissue);
+  const double start = now_s();
+  shape_ = solver_.forward(problem_.reference_nodes, problem_.gravity, &shape_, ctx);
+  result_.seconds_mechanics += now_s() - start;
+  add(result_.totals, solver_.last_report());
+}
+
+Measured Recovery::measure(double eta_mean) const {
+  Measured m{};
+  m.eta_mean = eta_mean;
+  const auto before = vertices(problem_.start);
+  const auto after = vertices(shape_);
+  m.volume_ratio = wound_.volume(after) / volume0_;
+  m.wall_displacement_mm = 1e3 * wound_.mean_inward_displacement(before, after);
+  const auto consider = [&](std::size_t v) {
+    m.max_displacement_mm = std::max(m.max_displacement_mm, 1e3 * norm(after[v] - before[v]));
+  };
+  for (const auto& face : problem_.body->skin_faces) {
+    for (const int v : face.vertex) {
+      consider(static_cast<std::size_t>(v));
+    }
+  }
+  if (problem_.body->skin_faces.empty()) {
+    for (std::size_t v = 0; v < before.size(); ++v) {
+      consider(v);
+    }
+  }
+  const std::vector<double> J = solver_.jacobians(problem_.reference_nodes, shape_.nodes);
+  m.min_jacobian = *std::ranges::min_element(J);
+  return m;
+}
+
+/// Day 0: the excised tissue becomes a fresh wound. Its volume in this equilibrium, before cells
+/// pull, is the V0 of the history.
+void Recovery::operate(const Context& ctx) {
+  during("mechanics at day 0", [&] { solve_mechanics(false, ctx); });
+  volume0_ = wound_.volume(vertices(shape_));
+  const healing::SpeciesRecord species = record_species();
+  last_ = measure(species.mean[0]);
+  result_.history.push_back({species, last_.volume_ratio, last_.max_displacement_mm,
+                             last_.wall_displacement_mm, last_.min_jacobian});
+}
+
+void Recovery::continue_from(const Checkpoint& checkpoint, const Context& ctx) {
+  operate(ctx);  // V0 belongs to day 0: solving it again keeps the checkpoint small and honest
+  species_.restore(checkpoint.t_s, checkpoint.species);
+  shape_ = checkpoint.shape;
+  result_.history = checkpoint.history;
+  const HistoryRow& row = result_.history.back();
+  last_ = {row.species.mean[0], row.volume_ratio, row.max_displacement_mm, row.wall_displacement_mm,
+           row.min_jacobian};
+}
+
+/// Species to t, mechanics at t, and the history rows in between. Between two mechanics solves the
+/// shape follows the mean cell density: contraction has no lag of its own (quasi-static), and to
+/// first order dV/V = -T0 <eta> / (kappa + 4 mu / 3).
+void Recovery::step_to(double t_day, const Context& ctx) {
+  std::vector<double> times;
+  const double every = problem_.schedule.record_interval_days;
+  const double from_day = species_.time_s() / day_s;
+  for (double k = std::floor(from_day / every + 1e-9) + 1.0; k * every < t_day - 1e-9; ++k) {
+    times.push_back(k * every * day_s);
+  }
+  std::vector<healing::SpeciesRecord> records;
+  double start = now_s();
+  during(fmt::format("species until day {:g}", t_day), [&] {
+    species_.advance(t_day * day_s, ctx.part(0.0, 0.5), times,
+                     [&] { records.push_back(record_species()); });
+  });
+  records.push_back(record_species());
+  result_.seconds_species += now_s() - start;
+  during(fmt::format("mechanics at day {:g}", t_day),
+         [&] { solve_mechanics(true, ctx.part(0.5, 1.0)); });
+  const Measured next = measure(records.back().mean[0]);
+  for (const healing::SpeciesRecord& r : records) {
+    const double change = next.eta_mean - last_.eta_mean;
+    const double elapsed = (r.t_day - from_day) / (t_day - from_day);
+    const double s = std::abs(change) > 1e-6 ? (r.mean[0] - last_.eta_mean) / change : elapsed;
+    const auto between = [s](double a, double b) {
+      return a + s * (b - a);
+    };
+    result_.history.push_back({r, between(last_.volume_ratio, next.volume_ratio),
+                               between(last_.max_displacement_mm, next.max_displacement_mm),
+                               between(last_.wall_displacement_mm, next.wall_displacement_mm),
+                               next.min_jacobian});
+  }
+  last_ = next;
+}
+
+Result Recovery::run(const std::optional<Checkpoint>& resume, const Context& ctx) {
+  problem_.model->check_steady_state();
+  shape_ = problem_.start;
+  const Schedule& schedule = problem_.schedule;
+  require(schedule.days > 0.0 && schedule.mechanics_interval_days > 0.0,
+          "healing needs positive days and mechanics_interval_days, got {:g} and {:g}",
+          schedule.days, schedule.mechanics_interval_days);
+  if (resume) {
+    continue_from(*resume, ctx.part(0.0, 0.05));
+  } else {
+    operate(ctx.part(0.0, 0.05));
+    observe_(0.0, species_.state(), shape_);
+  }
+  while (species_.time_s() < schedule.days * day_s - 1.0) {
+    const double t = species_.time_s() / day_s;
+    const double next = std::min(schedule.days, t + schedule.mechanics_interval_days);
+    const auto share = [&](double day) {
+      return 0.05 + 0.95 * day / schedule.days;
+    };
+    step_to(next, ctx.part(share(t), share(next)));
+    observe_(next, species_.state(), shape_);
+    save_({species_.time_s(), species_.state(), shape_, result_.history});
+    ctx.at(share(next), fmt::format("day {:g}: wound at {:.1f} % of its volume, cells {:.0f} %",
+                                    next, 100.0 * last_.volume_ratio, 100.0 * last_.eta_mean));
+  }
+  result_.healed = shape_;
+  result_.species = species_.state();
+  return result_;
+}
+
+}  // namespace
+
+Result heal(const Problem& problem, const std::optional<Checkpoint>& resume, const Save& save,
+            const Observe& observe, const Context& ctx) {
+  ensure(problem.body != nullptr && problem.model != nullptr, "healing without a body or a model");
+  const double wounded = *std::ranges::max_element(problem.wound_fraction);
+  require(wounded > 0.0, "the wound is empty: no cell lies in the resection");
+  return Recovery(problem, save, observe).run(resume, ctx);
+}
+
+}  // namespace sanatrix::recovery

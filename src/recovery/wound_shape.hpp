@@ -1,0 +1,28 @@
+// Volume and wall of the wound in a deformed body.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "geometry/tet_mesh.hpp"
+
+namespace sanatrix::recovery {
+
+/// Measures the wound of one mesh in many shapes.
+class WoundShape {
+ public:
+  /// wound_fraction per cell, 0..1; the wall separates cells at or above one half from the others.
+  WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction);
+  /// Sum of fraction x volume [m3].
+  [[nodiscard]] double volume(std::span<const Vec3> points) const;
+  /// Area-weighted mean displacement of the wall towards the inside [m].
+  [[nodiscard]] double mean_inward_displacement(std::span<const Vec3> before,
+                                                std::span<const Vec3> after) const;
+
+ private:
+  const TetMesh* mesh_;
+  std::vector<double> fraction_;
+  std::vector<std::array<int, 3>> wall_;  ///< oriented out of the wound
+};
+
+}  // namespace sanatrix::recovery
