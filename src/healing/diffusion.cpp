@@ -23,6 +23,15 @@ Tetrahedron tetrahedron(const std::array<int, 4>& v, std::span<const Vec3> point
   return t;
 }
 
+/// The vertex's part V of the wound is a layer of thickness V/A under the surface; its middle is
+/// V/2A away from healthy tissue, so that D A (healthy - q) / (V/2A) flows into V. At corners and
+/// on single protruding cells V/A is no thickness; there the exchange is held to what the same
+/// cells conduct in three directions. Any value tends to the same limit on fine meshes.
+double surface_exchange(double volume, double area, double weights) {
+  const double per_thickness = area / volume;
+  return std::min(2.0 * per_thickness * per_thickness, 4.0 * weights);
+}
+
 /// Size: number of species when known to the compiler (unrolled), or 0.
 template <int Size>
 void apply_group(const Diffusion& d, std::span<const double> healthy, std::span<const double> q,
@@ -99,16 +108,16 @@ Laplacian make_laplacian(const TetMesh& mesh, std::span<const Vec3> points, cons
   Laplacian l;
   l.row.push_back(0);
   for (std::size_t r = 0; r < vertices.size(); ++r) {
-    // The vertex's part of the wound is a layer of thickness V/A. Its middle is V/2A away from
-    // healthy tissue, so D A (healthy - q) / (V/2A) flows into V.
-    const double per_thickness =
-        domain == Domain::Wound ? 24.0 * wound.area[vertices[r]] / volume24[r] : 0.0;
-    l.exchange.push_back(2.0 * per_thickness * per_thickness);
-    l.diagonal.push_back(l.exchange.back());
+    double weights = 0.0;
     for (const auto& [column, conductance] : rows[r]) {
       l.entries.push_back({column, 24.0 * conductance / volume24[r]});
-      l.diagonal.back() += l.entries.back().weight;
+      weights += l.entries.back().weight;
     }
+    l.exchange.push_back(
+        domain == Domain::Wound
+            ? surface_exchange(volume24[r] / 24.0, wound.area[vertices[r]], weights)
+            : 0.0);
+    l.diagonal.push_back(weights + l.exchange.back());
     l.row.push_back(static_cast<int>(l.entries.size()));
   }
   return l;

@@ -16,7 +16,7 @@ constexpr double groove = 4.0 * mm;  // of the sternum
 constexpr double groove_width = 25.0 * mm;
 constexpr double backward_slope = 0.05;  // of the chest towards the neck
 constexpr double usual_volume = 600.0 * cm3;
-constexpr double fold = 0.15;  // width of the transition from dome to layer, in r^2
+constexpr double fold = 0.30;  // width of the transition from dome to layer, in r^2
 constexpr int table = 801;
 
 double shift_back(double z) {

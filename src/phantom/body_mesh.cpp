@@ -90,7 +90,7 @@ int nearest_vertex(const BodyMesh& body, const ChestPlace& place) {
 BodyMesh mesh_body(const Anatomy& anatomy, double edge) {
   const auto size = [&](double distance_in_radii, double radius) {
     // Fine in the breasts, half as fine in the thin layer around them.
-    const double w = std::clamp((distance_in_radii - 1.0) / 0.3, 0.0, 1.0);
+    const double w = std::clamp((distance_in_radii - 1.15) / 0.3, 0.0, 1.0);
     return edge * radius / usual_radius * (1.0 + 0.5 * w);
   };
   const double end = anatomy.thorax().half_arc();
@@ -139,6 +139,20 @@ BodyMesh mesh_body(const Anatomy& anatomy, double edge) {
         nearest_vertex(body, {b.s, b.z, anatomy.thickness(b.s, b.z)});
   }
   return body;
+}
+
+std::vector<Vec3> curved_nodes(const BodyMesh& body, const Anatomy& anatomy,
+                               std::span<const std::array<int, 2>> edges) {
+  std::vector<Vec3> nodes = body.mesh.points;
+  for (const auto& [a, b] : edges) {
+    const ChestPlace& p = body.places[static_cast<std::size_t>(a)];
+    const ChestPlace& q = body.places[static_cast<std::size_t>(b)];
+    const double s = 0.5 * (p.s + q.s), z = 0.5 * (p.z + q.z);
+    const double layer =
+        0.5 * (p.t / anatomy.thickness(p.s, p.z) + q.t / anatomy.thickness(q.s, q.z));
+    nodes.push_back(anatomy.thorax().point({s, z, layer * anatomy.thickness(s, z)}));
+  }
+  return nodes;
 }
 
 Lattice::Lattice(int n) {

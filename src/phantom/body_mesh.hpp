@@ -2,6 +2,8 @@
 // skin.
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
 #include "geometry/tet_mesh.hpp"
@@ -17,6 +19,11 @@ struct BodyMesh {
 
 /// Edges of about `edge` in the breasts of an average patient, in proportion for others. [m]
 BodyMesh mesh_body(const Anatomy& anatomy, double edge);
+
+/// P2 nodes of the unloaded body: vertices, then one node per edge on the curved design, so that
+/// skin and chest wall have no facets.
+std::vector<Vec3> curved_nodes(const BodyMesh& body, const Anatomy& anatomy,
+                               std::span<const std::array<int, 2>> edges);
 
 /// Share of gland and tumour of every cell.
 std::vector<double> gland_fractions(const BodyMesh& body, const Anatomy& anatomy,

@@ -70,7 +70,7 @@ Phantom make_phantom(const Options& options, const Context& ctx) {
   const mechanics::Body solid = body_of(body.mesh, phantom.fibroglandular);
   // Displacements of 10 mm are then right to far less than a micrometre.
   mechanics::Solver solver(solid, {.relative_tolerance = 1e-6});
-  const std::vector<Vec3> reference = solver.straight_nodes(body.mesh.points);
+  const std::vector<Vec3> reference = curved_nodes(body, anatomy, solver.edges());
 
   ctx.at(0.05, "prone pose, P2/P1");
   const mechanics::Shape prone = during("phantom prone", [&] {
@@ -88,7 +88,10 @@ Phantom make_phantom(const Options& options, const Context& ctx) {
   phantom.supine = vertices_of(supine, vertices);
   phantom.upright = vertices_of(upright, vertices);
 
-  phantom.labels = voxelise(body, anatomy, tissue, prone.nodes, solver.edges(), options.voxel_mm,
+  const QuadraticCells cells(body.mesh, solver.edges());
+  phantom.skin = {cells.boundary("skin", reference), cells.boundary("skin", prone.nodes),
+                  cells.boundary("skin", supine.nodes), cells.boundary("skin", upright.nodes)};
+  phantom.labels = voxelise(body, anatomy, tissue, cells, reference, prone.nodes, options.voxel_mm,
                             ctx.part(0.8, 0.97));
   ctx.at(0.97, "writing the plan");
   phantom.plan_json = plan_json(phantom.labels, anatomy, "phantom-" + std::to_string(options.seed));

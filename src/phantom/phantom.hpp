@@ -19,16 +19,22 @@ struct Options {
   std::uint64_t seed = 1;
   double volume_cm3 = 600.0;  ///< of one breast, unloaded; 150..1500
   Density density = Density::Scattered;
-  double edge_m = 0.010;  ///< of the truth's mesh in the breasts of a 600 cm3 patient
+  double edge_m = 0.012;  ///< of the truth's mesh in the breasts of a 600 cm3 patient
   double voxel_mm = 1.0;
+};
+
+/// The skin of the P2 solutions with its curvature: finer than the mesh. [m]
+struct TrueSkin {
+  TriMesh unloaded, prone, supine, upright;
 };
 
 struct Phantom {
   LabelImage labels;                         ///< prone, 1 mm
   TetMesh mesh;                              ///< the truth's mesh, vertices in the unloaded shape
   std::vector<Vec3> prone, supine, upright;  ///< vertex positions of the P2/P1 solutions [m]
-  std::vector<double> fibroglandular;        ///< per cell
-  std::string plan_json;                     ///< as for shared plans, prone frame
+  TrueSkin skin;
+  std::vector<double> fibroglandular;  ///< per cell
+  std::string plan_json;               ///< as for shared plans, prone frame
 };
 Phantom make_phantom(const Options& options, const Context& ctx);
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "core/error.hpp"
 #include "geometry/distance.hpp"
@@ -15,94 +14,6 @@ constexpr double mm = 1e-3;
 constexpr double skin_thickness = 2.0 * mm;
 constexpr double muscle = 8.0 * mm, rib = 9.0 * mm;  // of the sheets behind the fascia
 constexpr double rib_pitch = 25.0 * mm, rib_height = 11.0 * mm, sternum = 17.0 * mm;
-constexpr int parts = 3;  // of a cell's edge: chords of a curved edge then err by less than 0.1 mm
-
-/// A point of the deformed body with its place in the unloaded one.
-struct Node {
-  Vec3 x;
-  ChestPlace place;
-};
-
-class CellNodes {
- public:
-  CellNodes(const BodyMesh& body, const Thorax& thorax, std::span<const Vec3> nodes,
-            std::span<const std::array<int, 2>> edges)
-      : body_(body), thorax_(thorax), nodes_(nodes), lattice_(parts) {
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-      const auto [a, b] = std::minmax(edges[e][0], edges[e][1]);
-      edge_node_[{a, b}] = body.mesh.points.size() + e;
-    }
-  }
-  [[nodiscard]] const Lattice& lattice() const { return lattice_; }
-
-  /// Lattice points of a cell: deformed by the P2 basis, placed by the straight unloaded cell.
-  [[nodiscard]] std::vector<Node> of(const std::array<int, 4>& cell) const {
-    std::vector<Node> result;
-    for (const auto& w : lattice_.weights) {
-      Vec3 deformed{}, unloaded{};
-      for (std::size_t i = 0; i < 4; ++i) {
-        deformed += w[i] * (2.0 * w[i] - 1.0) * nodes_[static_cast<std::size_t>(cell[i])];
-        unloaded += w[i] * body_.mesh.points[static_cast<std::size_t>(cell[i])];
-        for (std::size_t j = 0; j < i; ++j) {
-          deformed += 4.0 * w[i] * w[j] * nodes_[middle(cell[i], cell[j])];
-        }
-      }
-      result.push_back({deformed, thorax_.locate(unloaded)});
-    }
-    return result;
-  }
-
-  /// The deformed skin, as finely divided as the cells.
-  [[nodiscard]] TriMesh skin() const {
-    TriMesh surface;
-    const int name = boundary_index(body_.mesh, "skin");
-    for (const BoundaryFace& face : body_.mesh.faces) {
-      if (face.name == name) {
-        add_face(face.vertex, surface);
-      }
-    }
-    return surface;
-  }
-
- private:
-  [[nodiscard]] std::size_t middle(int a, int b) const {
-    return edge_node_.at({std::min(a, b), std::max(a, b)});
-  }
-
-  void add_face(const std::array<int, 3>& face, TriMesh& surface) const {
-    std::map<std::array<int, 2>, int> number;
-    for (int a = 0; a <= parts; ++a) {
-      for (int b = 0; b + a <= parts; ++b) {
-        const std::array<double, 3> w{1.0 - static_cast<double>(a + b) / parts,
-                                      static_cast<double>(a) / parts,
-                                      static_cast<double>(b) / parts};
-        Vec3 x{};
-        for (std::size_t i = 0; i < 3; ++i) {
-          x += w[i] * (2.0 * w[i] - 1.0) * nodes_[static_cast<std::size_t>(face[i])];
-          x += 4.0 * w[i] * w[(i + 1) % 3] * nodes_[middle(face[i], face[(i + 1) % 3])];
-        }
-        number[{a, b}] = static_cast<int>(surface.points.size());
-        surface.points.push_back(x);
-      }
-    }
-    for (const auto& [at, first] : number) {
-      const auto [a, b] = at;
-      if (a + b < parts) {
-        surface.triangles.push_back({first, number[{a + 1, b}], number[{a, b + 1}]});
-      }
-      if (a + b + 1 < parts) {
-        surface.triangles.push_back(
-            {number[{a + 1, b}], number[{a + 1, b + 1}], number[{a, b + 1}]});
-      }
-    }
-  }
-
-  const BodyMesh& body_;
-  const Thorax& thorax_;
-  std::span<const Vec3> nodes_;
-  std::map<std::array<int, 2>, std::size_t> edge_node_;
-  Lattice lattice_;
-};
 
 /// The box of a scan: all of the breasts with some air, cut where the body is cut.
 LabelImage empty_scan(const BodyMesh& body, const Thorax& thorax, std::span<const Vec3> nodes,
@@ -207,10 +118,9 @@ void fill_thorax(const Thorax& thorax, LabelImage& image) {
 }  // namespace
 
 LabelImage voxelise(const BodyMesh& body, const Anatomy& anatomy, const TissueMap& tissue,
-                    std::span<const Vec3> nodes, std::span<const std::array<int, 2>> edges,
-                    double voxel_mm, const Context& ctx) {
-  const CellNodes cell_nodes(body, anatomy.thorax(), nodes, edges);
-  const SurfaceTree skin(cell_nodes.skin());
+                    const QuadraticCells& cells, std::span<const Vec3> unloaded,
+                    std::span<const Vec3> nodes, double voxel_mm, const Context& ctx) {
+  const SurfaceTree skin(cells.boundary("skin", nodes));
   LabelImage image = empty_scan(body, anatomy.thorax(), nodes, voxel_mm);
   // Skin that is stretched is thinner than it was: beyond this unloaded depth no search is needed.
   constexpr double may_be_skin = 4.0 * skin_thickness;
@@ -219,17 +129,22 @@ LabelImage voxelise(const BodyMesh& body, const Anatomy& anatomy, const TissueMa
       ctx.at(static_cast<double>(c) / static_cast<double>(body.mesh.cells.size()),
              "filling voxels");
     }
-    const auto points = cell_nodes.of(body.mesh.cells[c]);
-    for (const auto& small : cell_nodes.lattice().tetrahedra) {
-      std::array<Node, 4> at{};
+    const std::vector<Vec3> points = cells.lattice_points(c, nodes);
+    std::vector<ChestPlace> places;
+    for (const Vec3& p : cells.lattice_points(c, unloaded)) {
+      places.push_back(anatomy.thorax().locate(p));
+    }
+    for (const auto& small : cells.lattice().tetrahedra) {
+      std::array<Vec3, 4> x{};
+      std::array<ChestPlace, 4> at{};
       for (std::size_t i = 0; i < 4; ++i) {
-        at[i] = points[static_cast<std::size_t>(small[i])];
+        x[i] = points[static_cast<std::size_t>(small[i])];
+        at[i] = places[static_cast<std::size_t>(small[i])];
       }
       const auto visit = [&](std::size_t voxel, const Vec3& p, const std::array<double, 4>& w) {
         ChestPlace place{};
         for (std::size_t i = 0; i < 4; ++i) {
-          place = {place.s + w[i] * at[i].place.s, place.z + w[i] * at[i].place.z,
-                   place.t + w[i] * at[i].place.t};
+          place = {place.s + w[i] * at[i].s, place.z + w[i] * at[i].z, place.t + w[i] * at[i].t};
         }
         const double depth = anatomy.depth(place);
         const bool at_surface = depth < may_be_skin && skin.closest(p).distance < skin_thickness;
@@ -237,7 +152,7 @@ LabelImage voxelise(const BodyMesh& body, const Anatomy& anatomy, const TissueMa
             at_surface && !tissue.is_nipple(place, depth) ? Label::Skin : tissue.at(place, depth);
         image.voxels[voxel] = static_cast<unsigned char>(label);
       };
-      for_voxels_in(image, {at[0].x, at[1].x, at[2].x, at[3].x}, visit);
+      for_voxels_in(image, x, visit);
     }
   }
   fill_thorax(anatomy.thorax(), image);

@@ -4,14 +4,14 @@
 #include <span>
 
 #include "core/context.hpp"
-#include "phantom/body_mesh.hpp"
+#include "phantom/quadratic_cells.hpp"
 
 namespace sanatrix::phantom {
 
-/// `nodes` are the P2 nodes of the deformed body, vertices first, then one per edge of `edges`.
-/// The volume ends at the body's clip planes as a scan does. Skin is 2 mm thick.
+/// `unloaded` and `nodes` are the P2 nodes of the unloaded and of the deformed body. The volume
+/// ends at the body's clip planes as a scan does. Skin is 2 mm thick.
 LabelImage voxelise(const BodyMesh& body, const Anatomy& anatomy, const TissueMap& tissue,
-                    std::span<const Vec3> nodes, std::span<const std::array<int, 2>> edges,
-                    double voxel_mm, const Context& ctx);
+                    const QuadraticCells& cells, std::span<const Vec3> unloaded,
+                    std::span<const Vec3> nodes, double voxel_mm, const Context& ctx);
 
 }  // namespace sanatrix::phantom

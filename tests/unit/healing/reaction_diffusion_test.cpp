@@ -134,7 +134,7 @@ TEST_F(AWound, RefusesAnExplicitStepBeyondTheLimitAndNamesOneThatWorks) {
     FAIL() << "3000 s was accepted";
   } catch (const Error& e) {
     EXPECT_EQ(e.fault(), Fault::Input);
-    // Oxygen on 3 mm: 2 h^2 / (12 D) = 750 s inside, less at the wound's surface.
+    // Oxygen on 3 mm: 2 h^2 / (12 D) = 750 s inside, a third at the wound's surface.
     EXPECT_THAT(e.one_line(), AllOf(HasSubstr("oxygen"), HasSubstr("use dt_s=")));
     const std::string hint = e.hint();
     const double works = std::stod(hint.substr(hint.find('=') + 1));

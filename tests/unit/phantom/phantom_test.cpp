@@ -1,14 +1,16 @@
 // The built-in patient: sizes, tissue shares, labels and plan of a coarse variant.
+#include "phantom/phantom.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "core/error.hpp"
 #include "phantom/body_mesh.hpp"
-#include "phantom/phantom.hpp"
 
 namespace sanatrix::phantom {
 namespace {
@@ -54,9 +56,9 @@ TEST(AnAnatomy, HasTheVolumeThatWasAskedFor) {
 
 Phantom coarse(std::uint64_t seed, Density density = Density::Heterogeneous) {
   Silent silent;
-  return make_phantom({.seed = seed, .volume_cm3 = 400.0, .density = density, .edge_m = 20 * mm,
-                       .voxel_mm = 2.0},
-                      Context("phantom", silent));
+  return make_phantom(
+      {.seed = seed, .volume_cm3 = 400.0, .density = density, .edge_m = 20 * mm, .voxel_mm = 2.0},
+      Context("phantom", silent));
 }
 
 std::array<double, 11> volumes_cm3(const LabelImage& labels, int side) {
@@ -115,10 +117,10 @@ TEST(APhantom, HasAPlanThatPointsAtItsTumour) {
   const auto plan = nlohmann::json::parse(phantom.plan_json);
   const auto centre = plan["tumour"]["centre_lps_mm"].get<Vec3>();
   const Vec3 at = phantom.labels.continuous_index(centre);
-  EXPECT_EQ(phantom.labels.at(static_cast<int>(std::lround(at[0])),
-                              static_cast<int>(std::lround(at[1])),
-                              static_cast<int>(std::lround(at[2]))),
-            8);
+  EXPECT_EQ(
+      phantom.labels.at(static_cast<int>(std::lround(at[0])), static_cast<int>(std::lround(at[1])),
+                        static_cast<int>(std::lround(at[2]))),
+      8);
   EXPECT_EQ(plan["operated_side"], centre[0] > 0.0 ? "L" : "R");
   EXPECT_THAT(plan["quadrant"].get<std::string>(), ::testing::HasSubstr("outer"));
   const auto axis = plan["resection"]["axis_towards_skin_lps"].get<Vec3>();

@@ -116,15 +116,22 @@ Curve heal_sphere(double radius, const std::string& preset, double near = 0.002)
   problem.species_points = s.mesh.points;
   problem.wound_fraction = s.wound;
   problem.model = model.get();
-  Silent silent;
-  const Result result = heal(
-      problem, {}, [](const Checkpoint&) {},
-      [](double, std::span<const double>, const mechanics::Shape&) {}, Context("heal", silent));
-  std::size_t v = 0;
-  while (model->species()[v].key != "nu") {
-    ++v;
+  std::size_t nu = 0;
+  while (model->species()[nu].key != "nu") {
+    ++nu;
+  }
+  std::size_t centre = 0;
+  for (std::size_t v = 0; v < s.mesh.points.size(); ++v) {
+    centre = norm(s.mesh.points[v]) < norm(s.mesh.points[centre]) ? v : centre;
   }
   Curve curve;
+  const auto observe = [&](double day, std::span<const double> species, const mechanics::Shape&) {
+    curve.mechanics_day.push_back(day);
+    curve.centre_v.push_back(species[centre * model->species().size() + nu]);
+  };
+  Silent silent;
+  const Result result = heal(
+      problem, {}, [](const Checkpoint&) {}, observe, Context("heal", silent));
   for (const HistoryRow& row : result.history) {
     curve.day.push_back(row.species.t_day);
     curve.volume.push_back(row.volume_ratio);

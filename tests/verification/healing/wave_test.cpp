@@ -148,8 +148,9 @@ INSTANTIATE_TEST_SUITE_P(
                       DiscCase{SherrattMurray::Control::Inhibitor,
                                46.07,
                                {.961, .869, .761, .650, .539, .431, .327, .227, .129}}),
-    [](const auto& info) {
-      return info.param.control == SherrattMurray::Control::Activator ? "Activator" : "Inhibitor";
+    [](const auto& parameter) {
+      return parameter.param.control == SherrattMurray::Control::Activator ? "Activator"
+                                                                           : "Inhibitor";
     });
 
 TEST_P(ACircularWound, ClosesAsComputedForTheDisc) {
