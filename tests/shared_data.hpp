@@ -17,8 +17,8 @@ inline std::filesystem::path shared_folder() {
 }  // namespace sanatrix::testing
 
 /// Skips the test with a message where the shared data is absent.
-#define SANATRIX_REQUIRE_SHARED(relative)                                                      \
-  const std::filesystem::path shared_file = sanatrix::testing::shared_folder() / (relative);   \
-  if (!std::filesystem::exists(shared_file)) {                                                 \
-    GTEST_SKIP() << shared_file << " is absent (set SANATRIX_SHARED to the shared folder)";    \
+#define SANATRIX_REQUIRE_SHARED(relative)                                                    \
+  const std::filesystem::path shared_file = sanatrix::testing::shared_folder() / (relative); \
+  if (!std::filesystem::exists(shared_file)) {                                               \
+    GTEST_SKIP() << shared_file << " is absent (set SANATRIX_SHARED to the shared folder)";  \
   }

@@ -49,6 +49,9 @@ std::string Progress::remaining(double fraction) const {
 
 void Progress::on(const Event& event) {
   pass_on(stop_);
+  if (event.detail && event.text.empty()) {
+    return;
+  }
   if (stage_ != event.stage) {
     stage_ = event.stage;
     begin_ = Clock::now();

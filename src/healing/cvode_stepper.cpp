@@ -132,7 +132,8 @@ class Cvode final : public Stepper {
   }
 
  private:
-  static constexpr int krylov_dimension = 20;  // enough for steps of a day on 1 mm meshes
+  static constexpr int krylov_dimension = 20;  // enough for steps of a day on 2 mm meshes
+  static constexpr int krylov_restarts = 4;    // for the rest
   // With CVODE's own settings (order 5, shares 0.1 and 0.05) the errors of Newton and GMRES look
   // like a rough solution to the error estimate of the high orders and keep the steps up to ten
   // times shorter than the solution asks for.
@@ -151,6 +152,7 @@ class Cvode final : public Stepper {
     check(CVodeSetMaxOrd(cvode_, highest_order), "CVodeSetMaxOrd");
     check(CVodeSetNonlinConvCoef(cvode_, newton_share), "CVodeSetNonlinConvCoef");
     solver_ = SUNLinSol_SPGMR(state_, SUN_PREC_LEFT, krylov_dimension, context_);
+    SUNLinSol_SPGMRSetMaxRestarts(solver_, krylov_restarts);
     check(CVodeSetLinearSolver(cvode_, solver_, nullptr), "CVodeSetLinearSolver");
     check(CVodeSetEpsLin(cvode_, krylov_share), "CVodeSetEpsLin");
     check(CVodeSetJacTimes(cvode_, linearise, jacobian_times), "CVodeSetJacTimes");

@@ -9,6 +9,7 @@
 #include "meshing/anatomy.hpp"
 #include "meshing/cell_tissue.hpp"
 #include "meshing/domain_surface.hpp"
+#include "meshing/improve.hpp"
 #include "meshing/sizing.hpp"
 #include "meshing/tetrahedra.hpp"
 
@@ -55,8 +56,9 @@ void check(const LabelImage& labels, const Image3<float>& fibroglandular,
           "labels and fibroglandular fraction are on different grids");
 }
 
-/// Refines until the number of vertices fits. Each try costs a few seconds, so three must do.
-void refine_to_target(Refinement& refinement, Sizing& sizing, int target, unsigned seed,
+/// Refines until the number of vertices fits, all edges scaled by a factor. Each try costs a few
+/// seconds, so three must do.
+void refine_to_target(Refinement& refinement, Sizing& sizing, int target, double factor,
                       const Deadline& deadline, const Context& ctx) {
   int calls = 0;
   const SizeField size = [&](const Vec3& p) {
@@ -64,13 +66,13 @@ void refine_to_target(Refinement& refinement, Sizing& sizing, int target, unsign
       deadline.check();
       ctx.detail(0.5, {});  // a chance to be stopped
     }
-    return sizing.edge_mm(p);
+    return factor * sizing.edge_mm(p);
   };
   int count = 0;
   constexpr int tries = 3;
   for (int i = 0; i < tries; ++i) {
     sizing.aim_at(target, count);
-    count = refinement.refine(size, surface_distance_mm, seed);
+    count = refinement.refine(size, surface_distance_mm, static_cast<unsigned>(ctx.seed()));
     ctx.at((i + 1.0) / tries, fmt::format("{} vertices, far edge {:.1f} mm, near edge {:.1f} mm",
                                           count, sizing.far_mm(), sizing.near_mm()));
     if (std::abs(count - target) < 0.1 * target) {
@@ -130,20 +132,25 @@ BreastModel mesh_breasts(const LabelImage& labels, const Image3<float>& fibrogla
   BreastModel model;
   Sizing sizing(anatomy, options);
   Refinement refinement(surface);
-  // Another random start usually helps when flat cells remain.
-  for (unsigned attempt = 0; attempt < 3; ++attempt) {
-    const auto seed = static_cast<unsigned>(ctx.seed()) + attempt;
-    refine_to_target(refinement, sizing, options.target_vertices, seed, deadline,
+  // Slightly different edges make another mesh, should flat cells remain.
+  for (const double factor : {1.0, 0.97, 1.03}) {
+    refine_to_target(refinement, sizing, options.target_vertices, factor, deadline,
                      ctx.part(0.3, 0.5));
     ctx.at(0.5, "improving angles");
     refinement.improve_angles(wanted_dihedral_deg, 0.5 * deadline.left_s());
     deadline.check();
-    model.mesh = to_model_mesh(refinement.mesh(), anatomy.box);
+    Tetrahedra mesh = refinement.mesh();
+    peel_flat_cells(mesh, wanted_dihedral_deg);
+    move_vertices_of_flat_cells(mesh, surface, wanted_dihedral_deg);
+    model.mesh = to_model_mesh(mesh, surface.box);
     if (least_dihedral(model.mesh) > least_dihedral_deg) {
       break;
     }
   }
   check_and_orient(model.mesh, "breast mesh");
+  ensure(boundary_of(model.mesh).size() == model.mesh.faces.size(),
+         "breast mesh: {} boundary faces have no name",
+         boundary_of(model.mesh).size() - model.mesh.faces.size());
   if (const double angle = least_dihedral(model.mesh); angle <= least_dihedral_deg) {
     model.warnings.push_back(fmt::format("smallest dihedral angle {:.1f} degrees", angle));
   }

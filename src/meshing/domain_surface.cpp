@@ -9,7 +9,6 @@
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
 #include <vtkFloatArray.h>
 #include <vtkFlyingEdges3D.h>
@@ -19,6 +18,7 @@
 #include <vtkPolyData.h>
 
 #include "core/error.hpp"
+#include "meshing/patch_curves.hpp"
 
 namespace sanatrix::meshing {
 namespace {
@@ -134,29 +134,10 @@ Patch patch_of(const Anatomy& anatomy, const std::vector<ClipPlane>& planes,
                                                                                      : Patch::Skin;
 }
 
-}  // namespace
-
-const std::vector<std::string>& boundary_names() {
-  static const std::vector<std::string> names{"skin",     "chest",   "superior",
-                                              "inferior", "lateral", "posterior"};
-  return names;
-}
-
-std::vector<ClipPlane> clip_planes(const ClipBox& box) {
-  return {{Patch::Lateral, 0, box.low_mm[0], -1},
-          {Patch::Lateral, 0, box.high_mm[0], 1},
-          {Patch::Posterior, 1, box.high_mm[1], 1},
-          {Patch::Inferior, 2, box.low_mm[2], -1},
-          {Patch::Superior, 2, box.high_mm[2], 1}};
-}
-
-DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& nipple_mm) {
-  SurfaceMesh surface = iso_surface(anatomy);
-  ensure(CGAL::is_closed(surface) && !surface.is_empty(), "the iso-surface is not closed");
-  if (!pmp::is_outward_oriented(surface)) {
-    pmp::reverse_face_orientations(surface);
-  }
-  const std::vector<ClipPlane> planes = clip_planes(anatomy.box);
+/// The part of a closed surface inside the box, closed by the box's planes.
+DomainSurface clip(SurfaceMesh surface, const Anatomy& anatomy, const ClipBox& box,
+                   const std::array<Vec3, 2>& nipple_mm) {
+  const std::vector<ClipPlane> planes = clip_planes(box);
   for (const ClipPlane& plane : planes) {
     std::array<double, 3> normal{};
     normal[plane.axis] = plane.outwards;
@@ -165,7 +146,7 @@ DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& 
   }
   keep_one_piece(surface, nipple_mm);
 
-  DomainSurface domain;
+  DomainSurface domain{.points_mm = {}, .triangles = {}, .patch = {}, .box = box};
   for (const auto v : surface.vertices()) {
     const auto& p = surface.point(v);
     Vec3 x{p.x(), p.y(), p.z()};
@@ -188,6 +169,59 @@ DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& 
     domain.patch.push_back(patch_of(anatomy, planes, p));
   }
   return domain;
+}
+
+}  // namespace
+
+const std::vector<std::string>& boundary_names() {
+  static const std::vector<std::string> names{"skin",     "chest",   "superior",
+                                              "inferior", "lateral", "posterior"};
+  return names;
+}
+
+std::vector<ClipPlane> clip_planes(const ClipBox& box) {
+  return {{Patch::Lateral, 0, box.low_mm[0], -1},
+          {Patch::Lateral, 0, box.high_mm[0], 1},
+          {Patch::Posterior, 1, box.high_mm[1], 1},
+          {Patch::Inferior, 2, box.low_mm[2], -1},
+          {Patch::Superior, 2, box.high_mm[2], 1}};
+}
+
+DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& nipple_mm) {
+  SurfaceMesh whole = iso_surface(anatomy);
+  ensure(CGAL::is_closed(whole) && !whole.is_empty(), "the iso-surface is not closed");
+  if (!pmp::is_outward_oriented(whole)) {
+    pmp::reverse_face_orientations(whole);
+  }
+  // Inward shifts [mm] of the lateral, posterior and horizontal planes, tried in turn.
+  constexpr std::array<Vec3, 9> shifts{{{0, 0, 0},
+                                        {0, 4, 0},
+                                        {4, 0, 0},
+                                        {0, 8, 0},
+                                        {8, 0, 0},
+                                        {0, 0, 4},
+                                        {4, 8, 4},
+                                        {8, 4, 4},
+                                        {0, 12, 4}}};
+  // About half the smallest edge that far from a resection.
+  constexpr double enough_mm = 2.0;
+  DomainSurface best;
+  double best_clearance = -1.0;
+  for (const Vec3& shift : shifts) {
+    ClipBox box = anatomy.box;
+    box.low_mm += Vec3{shift[0], 0, shift[2]};
+    box.high_mm = box.high_mm - shift;
+    DomainSurface domain = clip(whole, anatomy, box, nipple_mm);
+    const double clearance = clearance_mm(domain, find_curves(domain));
+    if (clearance > best_clearance) {
+      best = std::move(domain);
+      best_clearance = clearance;
+    }
+    if (best_clearance > enough_mm) {
+      break;
+    }
+  }
+  return best;
 }
 
 }  // namespace sanatrix::meshing

@@ -27,9 +27,11 @@ struct DomainSurface {
   std::vector<Vec3> points_mm;
   std::vector<std::array<int, 3>> triangles;  ///< outwards
   std::vector<Patch> patch;                   ///< per triangle
+  ClipBox box;                                ///< the planes it was clipped by
 };
 
-/// Surface of soft tissue in front of the chest inside the box: closed, one piece.
+/// Surface of soft tissue in front of the chest inside the box: closed, one piece. The planes are
+/// moved inwards a little where they would leave strips too narrow to mesh.
 /// Throws Error{Input} when the breasts are not connected.
 DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& nipple_mm);
 

@@ -1,4 +1,4 @@
-// Pattern search for better vertex positions around flat tetrahedra.
+// Peels flat cells off smooth patches and searches better vertex positions around the others.
 #include "meshing/improve.hpp"
 
 #include <algorithm>
@@ -96,8 +96,8 @@ class Mover {
     for (const std::size_t c : star_[v]) {
       for (const int w : mesh_.cells[c]) {
         if (static_cast<std::size_t>(w) != v) {
-          least = std::min(least, norm(mesh_.points_mm[static_cast<std::size_t>(w)] -
-                                       mesh_.points_mm[v]));
+          least = std::min(least,
+                           norm(mesh_.points_mm[static_cast<std::size_t>(w)] - mesh_.points_mm[v]));
         }
       }
     }
@@ -142,21 +142,20 @@ class Mover {
     return best < before;
   }
 
-  static constexpr std::array<Vec3, 14> directions{
-      {{1, 0, 0},
-       {-1, 0, 0},
-       {0, 1, 0},
-       {0, -1, 0},
-       {0, 0, 1},
-       {0, 0, -1},
-       {0.577, 0.577, 0.577},
-       {0.577, 0.577, -0.577},
-       {0.577, -0.577, 0.577},
-       {0.577, -0.577, -0.577},
-       {-0.577, 0.577, 0.577},
-       {-0.577, 0.577, -0.577},
-       {-0.577, -0.577, 0.577},
-       {-0.577, -0.577, -0.577}}};
+  static constexpr std::array<Vec3, 14> directions{{{1, 0, 0},
+                                                    {-1, 0, 0},
+                                                    {0, 1, 0},
+                                                    {0, -1, 0},
+                                                    {0, 0, 1},
+                                                    {0, 0, -1},
+                                                    {0.577, 0.577, 0.577},
+                                                    {0.577, 0.577, -0.577},
+                                                    {0.577, -0.577, 0.577},
+                                                    {0.577, -0.577, -0.577},
+                                                    {-0.577, 0.577, 0.577},
+                                                    {-0.577, 0.577, -0.577},
+                                                    {-0.577, -0.577, 0.577},
+                                                    {-0.577, -0.577, -0.577}}};
 
   Tetrahedra& mesh_;
   std::vector<std::set<Patch>> patches_;  ///< per vertex
@@ -165,7 +164,99 @@ class Mover {
   double bound_;
 };
 
+/// Three sorted vertices.
+std::array<int, 3> key_of(std::array<int, 3> face) {
+  std::sort(face.begin(), face.end());
+  return face;
+}
+
+/// Cells that lie flat on a patch with two faces on it: without them the patch is as good.
+class Peeler {
+ public:
+  Peeler(Tetrahedra& mesh, double bound_deg)
+      : mesh_(mesh), bound_(std::cos(bound_deg * std::numbers::pi / 180.0)) {
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+      faces_[key_of(mesh.faces[f].vertex)] = f;
+      for (std::size_t i = 0; i < 3; ++i) {
+        edges_.insert(std::minmax(mesh.faces[f].vertex[i], mesh.faces[f].vertex[(i + 1) % 3]));
+      }
+    }
+  }
+
+  void peel() {
+    std::vector<std::array<int, 4>> kept;
+    for (const auto& cell : mesh_.cells) {
+      if (!peel(cell)) {
+        kept.push_back(cell);
+      }
+    }
+    mesh_.cells.swap(kept);
+  }
+
+ private:
+  bool peel(const std::array<int, 4>& cell) {
+    std::array<Vec3, 4> x{};
+    std::vector<std::size_t> inner;     // vertices opposite to faces inside
+    std::vector<std::size_t> boundary;  // numbers of the faces on the boundary
+    for (std::size_t i = 0; i < 4; ++i) {
+      x[i] = mesh_.points_mm[static_cast<std::size_t>(cell[i])];
+      const auto face =
+          faces_.find(key_of({cell[(i + 1) % 4], cell[(i + 2) % 4], cell[(i + 3) % 4]}));
+      if (face == faces_.end()) {
+        inner.push_back(i);
+      } else {
+        boundary.push_back(face->second);
+      }
+    }
+    if (boundary.size() != 2 || flatness(x) < bound_ ||
+        mesh_.faces[boundary[0]].patch != mesh_.faces[boundary[1]].patch) {
+      return false;
+    }
+    // The two inner faces share the edge between the vertices opposite to the boundary faces.
+    std::array<int, 2> fresh{};
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (std::find(inner.begin(), inner.end(), i) == inner.end()) {
+        fresh[n++] = cell[i];
+      }
+    }
+    if (!edges_.insert(std::minmax(fresh[0], fresh[1])).second) {
+      return false;  // the edge is on the boundary already: it would be pinched
+    }
+    const int a = cell[inner[0]];
+    const int b = cell[inner[1]];
+    edges_.erase(std::minmax(a, b));
+    replace(boundary[0], {a, fresh[0], fresh[1]}, b);
+    replace(boundary[1], {b, fresh[0], fresh[1]}, a);
+    return true;
+  }
+
+  /// Puts another face in the place of one, oriented away from the rest of the mesh: towards the
+  /// cell's fourth vertex, which is outside now.
+  void replace(std::size_t f, std::array<int, 3> vertex, int outside) {
+    const auto& p = mesh_.points_mm;
+    const auto at = [&](int v) {
+      return p[static_cast<std::size_t>(v)];
+    };
+    if (volume(at(vertex[0]), at(vertex[1]), at(vertex[2]), at(outside)) < 0.0) {
+      std::swap(vertex[1], vertex[2]);
+    }
+    faces_.erase(key_of(mesh_.faces[f].vertex));
+    mesh_.faces[f].vertex = vertex;
+    faces_[key_of(vertex)] = f;
+  }
+
+  Tetrahedra& mesh_;
+  std::map<std::array<int, 3>, std::size_t> faces_;  ///< by sorted vertices
+  std::set<std::pair<int, int>> edges_;              ///< of the boundary
+  double bound_;
+};
+
 }  // namespace
+
+void peel_flat_cells(Tetrahedra& mesh, double bound_deg) {
+  Peeler(mesh, bound_deg).peel();
+}
 
 void move_vertices_of_flat_cells(Tetrahedra& mesh, const DomainSurface& surface, double bound_deg) {
   Mover mover(mesh, surface, bound_deg);

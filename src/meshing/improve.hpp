@@ -1,9 +1,12 @@
-// Moves vertices of flat tetrahedra where reconnecting them did not help.
+// Last repairs of flat tetrahedra that reconnecting inside the mesh cannot reach.
 #pragma once
 
 #include "meshing/tetrahedra.hpp"
 
 namespace sanatrix::meshing {
+
+/// Takes cells away that lie flat on a smooth patch with two faces.
+void peel_flat_cells(Tetrahedra& mesh, double bound_deg);
 
 /// Raises the smallest dihedral angles above the bound where moving vertices can do it. Vertices on
 /// a patch stay on it, vertices where patches meet stay where they are.

@@ -8,7 +8,7 @@ namespace sanatrix::meshing {
 namespace {
 
 /// Edges grow by this much per mm away from the focus; steeper gradings cost angles.
-constexpr double growth = 0.3;
+constexpr double growth = 0.4;
 /// Thin tissue gets elements of this part of its thickness, but not below the floor, which keeps
 /// the skin over the sternum from using up all vertices.
 constexpr double thickness_part = 0.55;

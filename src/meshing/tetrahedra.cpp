@@ -1,7 +1,6 @@
 // Delaunay refinement of the clipped domain with CGAL Mesh_3; edges between patches stay sharp.
 #include "meshing/tetrahedra.hpp"
 
-#include <map>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -18,6 +17,7 @@
 #include <boost/property_map/function_property_map.hpp>
 
 #include "core/error.hpp"
+#include "meshing/patch_curves.hpp"
 
 namespace sanatrix::meshing {
 namespace {
@@ -53,84 +53,6 @@ SurfaceMesh to_cgal(const DomainSurface& surface) {
   return mesh;
 }
 
-/// A chain of edges where two patches meet.
-struct Curve {
-  std::vector<Point> points;
-  std::set<int> patches;
-};
-
-/// The curves between patches, cut where more or fewer than two of their edges meet.
-class CurveFinder {
- public:
-  explicit CurveFinder(const DomainSurface& surface) : surface_(surface) {
-    std::map<std::pair<int, int>, std::set<int>> edges;
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        const int a = surface.triangles[t][i];
-        const int b = surface.triangles[t][(i + 1) % 3];
-        edges[std::minmax(a, b)].insert(patch_id(surface.patch[t]));
-      }
-    }
-    for (const auto& [edge, patches] : edges) {
-      if (patches.size() > 1) {
-        patches_[edge] = patches;
-        all_patches_[edge] = patches;
-        next_[edge.first].insert(edge.second);
-        next_[edge.second].insert(edge.first);
-      }
-    }
-  }
-
-  std::vector<Curve> find() {
-    std::vector<Curve> curves;
-    for (const auto& [vertex, neighbours] : next_) {
-      if (is_end(vertex)) {
-        for (const int n : std::set<int>(neighbours)) {
-          if (patches_.contains(std::minmax(vertex, n))) {
-            curves.push_back(follow(vertex, n));
-          }
-        }
-      }
-    }
-    while (!patches_.empty()) {  // what remains are closed loops
-      const auto [a, b] = patches_.begin()->first;
-      curves.push_back(follow(a, b));
-    }
-    return curves;
-  }
-
- private:
-  /// Does a curve end here: three patches or more, or another pair of patches goes on?
-  bool is_end(int vertex) const {
-    const auto& n = next_.at(vertex);
-    return n.size() != 2 || all_patches_.at(std::minmax(vertex, *n.begin())) !=
-                                all_patches_.at(std::minmax(vertex, *n.rbegin()));
-  }
-  Curve follow(int from, int to) {
-    Curve curve{.points = {point(from)}, .patches = patches_.at(std::minmax(from, to))};
-    const int start = from;
-    for (;;) {
-      patches_.erase(std::minmax(from, to));
-      curve.points.push_back(point(to));
-      if (is_end(to) || to == start) {
-        return curve;
-      }
-      const auto& n = next_.at(to);
-      const int on = *n.begin() == from ? *n.rbegin() : *n.begin();
-      from = std::exchange(to, on);
-    }
-  }
-  Point point(int v) const {
-    const Vec3& p = surface_.points_mm[static_cast<std::size_t>(v)];
-    return {p[0], p[1], p[2]};
-  }
-
-  const DomainSurface& surface_;
-  std::map<std::pair<int, int>, std::set<int>> patches_;  ///< of edges not yet on a curve
-  std::map<std::pair<int, int>, std::set<int>> all_patches_;
-  std::map<int, std::set<int>> next_;
-};
-
 /// A size field for CGAL: `factor` turns an edge length into the radius that CGAL bounds.
 struct Radius {
   using FT = Kernel::FT;
@@ -164,6 +86,9 @@ Tetrahedra to_arrays(const Complex& complex) {
     auto [cell, opposite] = *f;
     if (!complex.is_in_complex(cell)) {
       std::tie(cell, opposite) = tri.mirror_facet(*f);
+      if (!complex.is_in_complex(cell)) {
+        continue;  // a face that bounds nothing
+      }
     }
     // Seen from inside, the vertices after the opposite one turn one way for even positions.
     std::array<int, 3> corner{vertex(cell->vertex((opposite + 1) % 4)),
@@ -181,11 +106,24 @@ Tetrahedra to_arrays(const Complex& complex) {
 
 struct Refinement::Impl {
   explicit Impl(const DomainSurface& surface) : polyhedron(to_cgal(surface)), domain(polyhedron) {
-    const std::vector<Curve> curves = CurveFinder(surface).find();
+    const std::vector<PatchCurve> curves = find_curves(surface);
     domain.add_features_and_incidences(
         curves.begin(), curves.end(),
-        boost::make_function_property_map<Curve>([](const Curve& c) { return c.points; }),
-        boost::make_function_property_map<Curve>([](const Curve& c) { return c.patches; }));
+        boost::make_function_property_map<PatchCurve>([&](const PatchCurve& c) {
+          std::vector<Point> points;
+          for (const int v : c.vertices) {
+            const Vec3& p = surface.points_mm[static_cast<std::size_t>(v)];
+            points.emplace_back(p[0], p[1], p[2]);
+          }
+          return points;
+        }),
+        boost::make_function_property_map<PatchCurve>([](const PatchCurve& c) {
+          std::set<int> ids;
+          for (const Patch patch : c.patches) {
+            ids.insert(patch_id(patch));
+          }
+          return ids;
+        }));
   }
   SurfaceMesh polyhedron;
   Domain domain;
@@ -200,10 +138,10 @@ int Refinement::refine(const SizeField& edge_mm, double surface_distance_mm, uns
   CGAL::get_default_random() = CGAL::Random(seed);
   namespace p = CGAL::parameters;
   // The factors make the mean edge about as long as asked for: CGAL bounds circumradii.
-  const Criteria criteria(p::edge_size = Radius{&edge_mm, 1.0}, p::facet_angle = 25.0,
-                          p::facet_size = Radius{&edge_mm, 0.75},
+  const Criteria criteria(p::edge_size = Radius{&edge_mm, 0.95}, p::facet_angle = 25.0,
+                          p::facet_size = Radius{&edge_mm, 0.68},
                           p::facet_distance = surface_distance_mm, p::cell_radius_edge_ratio = 2.0,
-                          p::cell_size = Radius{&edge_mm, 0.8});
+                          p::cell_size = Radius{&edge_mm, 0.72});
   impl_->complex =
       CGAL::make_mesh_3<Complex>(impl_->domain, criteria, p::no_perturb(), p::no_exude());
   ensure(impl_->complex.number_of_cells_in_complex() > 0, "Delaunay refinement gave no cells");

@@ -91,7 +91,7 @@ BodyMesh mesh_body(const Anatomy& anatomy, double edge) {
   const auto size = [&](double distance_in_radii, double radius) {
     // Fine in the breasts, half as fine in the thin layer around them.
     const double w = std::clamp((distance_in_radii - 1.15) / 0.3, 0.0, 1.0);
-    return edge * radius / usual_radius * (1.0 + 0.5 * w);
+    return edge * std::sqrt(radius / usual_radius) * (1.0 + 0.5 * w);
   };
   const double end = anatomy.thorax().half_arc();
   const auto along_s = lines(-end, end, [&](double s) {

@@ -17,7 +17,7 @@ struct BodyMesh {
   std::vector<ChestPlace> places;  ///< per vertex
 };
 
-/// Edges of about `edge` in the breasts of an average patient, in proportion for others. [m]
+/// Edges of about `edge` in the breasts of an average patient, a little more in larger ones. [m]
 BodyMesh mesh_body(const Anatomy& anatomy, double edge);
 
 /// P2 nodes of the unloaded body: vertices, then one node per edge on the curved design, so that

@@ -1,9 +1,10 @@
 // The paper's Figs 4-7 of this case, and its four poses, as PNG.
 #include <algorithm>
 #include <cmath>
-#include <map>
 
-#include "core/error.hpp"
+#include <fmt/format.h>
+
+#include "pipeline/level_set.hpp"
 #include "pipeline/result.hpp"
 #include "render/render.hpp"
 
@@ -57,16 +58,9 @@ void write_poses(const CaseResult& r, const fs::path& file) {
   render::write_picture(panels, 4, file, 420, 380);
 }
 
-/// Outer faces of the cells that are at least half removed.
+/// Where half of the tissue is removed.
 TriMesh wound_surface(const CaseResult& r, std::span<const Vec3> pose) {
-  TetMesh part;
-  part.points.assign(pose.begin(), pose.end());
-  for (std::size_t c = 0; c < r.model.mesh.cells.size(); ++c) {
-    if (r.wound.fraction[c] >= 0.5) {
-      part.cells.push_back(r.model.mesh.cells[c]);
-    }
-  }
-  return {part.points, boundary_of(part)};
+  return level_set(r.model.mesh, pose, to_vertices(r.model.mesh, pose, r.wound.fraction), 0.5);
 }
 
 void write_plan(const CaseResult& r, const fs::path& file) {
@@ -150,8 +144,8 @@ void write_species(const CaseResult& r, const fs::path& file) {
                         .scalar = std::move(values),
                         .plane_point = wound_centre(r, frame->points),
                         .plane_normal = {0, 0, 1},
-                        .title = fmt::format("{}, day {:g}", r.species[s].label, frame->t_day),
-                        .bar_title = r.species[s].key + " [-]",
+                        .title = fmt::format("{}, day {:g}", r.species[s].key, frame->t_day),
+                        .bar_title = r.species[s].label + " [-]",
                         .bar_min = low,
                         .bar_max = high});
     }

@@ -35,18 +35,18 @@ std::vector<Stage> route(const Case& patient, const RunOptions& options) {
   return stages;
 }
 
-StageNotes work(const Case& patient, const StageInfo& stage, Monitor& monitor, Team& team,
-                const std::stop_token& stop) {
+StageNotes work(const Case& patient, const StageInfo& stage, bool anew, Monitor& monitor,
+                Team& team, const std::stop_token& stop) {
   if (!stage.collective && !team.leads()) {
     return {};
   }
-  const StageInput input{patient, aside_folder(patient, stage.id), team.leads(),
+  const StageInput input{patient, aside_folder(patient, stage.id), team.leads(), anew,
                          Context(stage.name, monitor, stop)};
   input.ctx.at(0.0);
   return functions[static_cast<std::size_t>(stage.id)](input);
 }
 
-void run_stage(const Case& patient, const StageInfo& stage, Monitor& monitor, Team& team,
+void run_stage(const Case& patient, const StageInfo& stage, bool anew, Monitor& monitor, Team& team,
                const std::stop_token& stop) {
   const auto start = std::chrono::steady_clock::now();
   if (team.leads()) {
@@ -54,7 +54,7 @@ void run_stage(const Case& patient, const StageInfo& stage, Monitor& monitor, Te
     begin(patient, stage.id);
   }
   team.share(0);
-  StageNotes notes = work(patient, stage, monitor, team, stop);
+  StageNotes notes = work(patient, stage, anew, monitor, team, stop);
   if (team.leads()) {
     StageRecord record{
         .recipe = recipe(patient, stage.id),
@@ -86,10 +86,12 @@ void run_case(const Case& patient, const RunOptions& options, Monitor& monitor, 
       continue;
     }
     try {
-      during(info(stage).name, [&] { run_stage(patient, info(stage), monitor, team, stop); });
+      during(info(stage).name,
+             [&] { run_stage(patient, info(stage), forced, monitor, team, stop); });
     } catch (const Error& e) {
       if (team.leads()) {
         record_failure(patient, stage, e.one_line());
+        clean_up(patient);
       }
       throw;
     }

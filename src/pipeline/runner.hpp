@@ -17,6 +17,7 @@ struct StageInput {
   const Case& patient;
   std::filesystem::path out;
   bool writes;  ///< only rank 0 writes
+  bool anew;    ///< the user asked for it: nothing of an older result may be used
   Context ctx;
 
   [[nodiscard]] const Parameters& parameters() const { return patient.parameters; }

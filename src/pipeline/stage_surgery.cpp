@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "pipeline/artefacts.hpp"
+#include "pipeline/level_set.hpp"
 #include "pipeline/stages.hpp"
 
 namespace sanatrix::pipeline {
@@ -28,6 +29,9 @@ StageNotes run_surgery(const StageInput& in) {
   fields.cell.push_back(io::scalar_field("fibroglandular_fraction", model.fibroglandular));
   io::write_vtu(model.mesh, supine_points, fields, in.out / "wound.vtu",
                 io::LengthUnit::Millimetre);
+  io::write_vtp(level_set(model.mesh, supine_points,
+                          to_vertices(model.mesh, supine_points, wound.fraction), 0.5),
+                {}, in.out / "wound_surface.vtp", io::LengthUnit::Millimetre);
   std::vector<double> incision(model.mesh.points.size(), 0.0);
   for (const std::vector<int>& line : wound.incision_vertices) {
     for (const int vertex : line) {

@@ -63,7 +63,10 @@ StageNotes run_upright(const StageInput& in) {
   const mechanics::Body body = make_body(model, in.parameters());
   mechanics::Solver solver(body, solve_options(in.parameters()));
   StageNotes notes;
-  std::optional<SolvedShape> before = kept_before(in, key_before(in.patient));
+  std::optional<SolvedShape> before;
+  if (!in.anew) {
+    before = kept_before(in, key_before(in.patient));
+  }
   if (!before) {
     const Context part = in.ctx.part(0.0, 0.6);
     before = {solver.forward(unloaded.nodes, gravity_upright, nullptr, part),

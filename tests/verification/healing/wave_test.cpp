@@ -154,11 +154,11 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST_P(ACircularWound, ClosesAsComputedForTheDisc) {
-  // A narrow wedge with its tip cut off at 0.4 % of the radius; the outermost ring is healthy.
-  const int rings = 250;
-  const double step = 1.0 / rings, angle = 0.03;
-  const TetMesh mesh = testing::lattice({rings, 1, 1}, [=](int i, int j, int k) {
-    const double r = step * (i + 1);
+  // A narrow wedge with its tip cut off at 2 % of the radius; the outermost ring is healthy.
+  const int rings = 245;
+  const double step = 0.004, tip = 0.02, angle = 0.2;
+  const TetMesh mesh = testing::lattice({rings + 1, 1, 1}, [=](int i, int j, int k) {
+    const double r = tip + step * i;
     return Vec3{r * std::cos(angle * j), r * std::sin(angle * j), 0.02 * k};
   });
   const auto fraction = testing::wound_where(mesh, [&](const Vec3& p) { return p[0] < 1.0; });
@@ -177,7 +177,7 @@ TEST_P(ACircularWound, ClosesAsComputedForTheDisc) {
       --i;
     }
     const double inner = q[2 * (i - 1)], outer = q[2 * i];
-    radii.push_back(step * (i + (0.8 - inner) / (outer - inner)));
+    radii.push_back(tip + step * (i - 1 + (0.8 - inner) / (outer - inner)));
   });
   ASSERT_EQ(radii.size(), 9U);
   for (std::size_t i = 0; i < radii.size(); ++i) {
