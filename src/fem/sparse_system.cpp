@@ -23,7 +23,7 @@ void check(PetscErrorCode code, const char* doing) {
 /// Krylov iterations after which a kept factorisation is no longer worth keeping.
 constexpr int slow_solve = 14;
 constexpr int max_direct_iterations = 60;
-constexpr int max_block_iterations = 300;
+constexpr int max_block_iterations = 400;
 /// A system that block preconditioning failed on this often is given to the direct solver at once.
 constexpr int max_block_failures = 2;
 /// Below this many unknowns a factorisation costs next to nothing.
@@ -139,7 +139,8 @@ void SparseSystem::Impl::make_direct_solver() {
 void SparseSystem::Impl::make_block_solver(const Layout& layout) {
   check(KSPCreate(PETSC_COMM_WORLD, &block), "creating the linear solver");
   check(KSPSetOperators(block, matrix, matrix), "setting the matrix");
-  check(KSPSetType(block, KSPFGMRES), "choosing FGMRES");
+  check(KSPSetType(block, KSPGMRES), "choosing GMRES");
+  check(KSPSetPCSide(block, PC_RIGHT), "preconditioning from the right");
   check(KSPGMRESSetRestart(block, max_block_iterations), "setting the restart");
   PC pc = nullptr;
   check(KSPGetPC(block, &pc), "getting the preconditioner");
@@ -166,6 +167,7 @@ void SparseSystem::Impl::make_block_solver(const Layout& layout) {
   check(PCFieldSplitSetSchurPre(pc, PC_FIELDSPLIT_SCHUR_PRE_USER, schur), "giving its diagonal");
   for (const auto& [key, value] : {std::pair{"-fieldsplit_u_ksp_type", "preonly"},
                                    {"-fieldsplit_u_pc_type", "bjacobi"},
+                                   {"-fieldsplit_u_sub_pc_factor_mat_ordering_type", "rcm"},
                                    {"-fieldsplit_p_ksp_type", "preonly"},
                                    {"-fieldsplit_p_pc_type", "jacobi"}}) {
     check(PetscOptionsSetValue(nullptr, key, value), "setting options");

@@ -272,7 +272,7 @@ std::span<const QuadraturePoint<4>> rule() {
   if constexpr (Nodes == 4) {
     return tet_centroid;
   } else {
-    return tet_degree5();
+    return tet_degree2();
   }
 }
 

@@ -279,7 +279,7 @@ std::vector<double> DiscreteBody::jacobians(std::span<const Vec3> reference,
   }
   std::vector<double> J(cells, 0.0);
   for (std::size_t c = 0; c < cells; ++c) {
-    for (const auto& q : tet_degree5()) {
+    for (const auto& q : tet_degree2()) {
       const TetBasis<10> basis(q.lambda);
       Mat3 X{};
       Mat3 x{};

@@ -4,22 +4,12 @@ namespace sanatrix::mechanics {
 
 namespace {
 
-std::array<QuadraturePoint<4>, 14> make_tet_degree5() {
-  std::array<QuadraturePoint<4>, 14> points{};
-  std::size_t n = 0;
-  constexpr double a1 = 0.31088591926330060980, w1 = 0.11268792571801585080;
-  constexpr double a2 = 0.09273525031089122640, w2 = 0.07349304311636194934;
-  constexpr double a3 = 0.04550370412564964949, w3 = 0.04254602077708146644;
-  for (const auto& [a, w] : {std::array{a1, w1}, std::array{a2, w2}}) {
-    for (std::size_t v = 0; v < 4; ++v) {
-      points[n] = {{a, a, a, a}, w};
-      points[n++].lambda[v] = 1.0 - 3.0 * a;
-    }
-  }
-  for (const auto& [i, j] : fem::EdgeTable::local) {
-    points[n] = {{a3, a3, a3, a3}, w3};
-    points[n].lambda[static_cast<std::size_t>(i)] = 0.5 - a3;
-    points[n++].lambda[static_cast<std::size_t>(j)] = 0.5 - a3;
+std::array<QuadraturePoint<4>, 4> make_tet_degree2() {
+  constexpr double a = 0.13819660112501051518;  // (5 - sqrt 5)/20
+  std::array<QuadraturePoint<4>, 4> points{};
+  for (std::size_t v = 0; v < 4; ++v) {
+    points[v] = {{a, a, a, a}, 0.25};
+    points[v].lambda[v] = 1.0 - 3.0 * a;
   }
   return points;
 }
@@ -45,8 +35,8 @@ constexpr double barycentric_derivative(std::size_t v, std::size_t along) {
 
 }  // namespace
 
-std::span<const QuadraturePoint<4>> tet_degree5() {
-  static const auto points = make_tet_degree5();
+std::span<const QuadraturePoint<4>> tet_degree2() {
+  static const auto points = make_tet_degree2();
   return points;
 }
 

@@ -65,7 +65,7 @@ Phantom coarse(std::uint64_t seed) {
 }
 
 const Phantom& first() {
-  static const Phantom& phantom = first();
+  static const Phantom phantom = coarse(1);
   return phantom;
 }
 
