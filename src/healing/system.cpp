@@ -90,65 +90,74 @@ System::System(const TetMesh& mesh, std::span<const Vec3> points,
       groups_[1].vertices.push_back(v);
     }
   }
-  number_unknowns(mesh, points, ranks);
+  std::array<std::vector<int>, 2> global;
+  for (std::size_t g = 0; g < 2; ++g) {
+    groups_[g].diffusion.first = own_unknowns_;
+    own_unknowns_ += groups_[g].stride() * static_cast<int>(groups_[g].vertices.size());
+    global[g].resize(vertices_);
+  }
+  wound_unknowns_ = species_ * static_cast<int>(std::ranges::count(wound_.vertex, true));
+  number_globally(ranks, global);
+  for (std::size_t g = 0; g < 2; ++g) {
+    groups_[g].diffusion.laplacian = make_laplacian(
+        mesh, points, wound_, g == 0 ? Domain::Mesh : Domain::Wound, groups_[g].vertices);
+    localise_columns(groups_[g], global[g]);
+    add_chunks(groups_[g]);
+  }
+  chunks_.push_back(own_unknowns_);
   index_vertices();
 }
 
-void System::number_unknowns(const TetMesh& mesh, std::span<const Vec3> points, int ranks) {
-  const std::array<int, 2> stride{static_cast<int>(groups_[0].species.size()),
-                                  static_cast<int>(groups_[1].species.size())};
-  // Global numbers: rank after rank, and within a rank as in its own vector.
-  std::array<std::vector<int>, 2> global{std::vector<int>(vertices_), std::vector<int>(vertices_)};
+/// Global numbers go rank after rank, and within a rank as in its own vector.
+void System::number_globally(int ranks, std::array<std::vector<int>, 2>& global) {
   for (int r = 0; r < ranks; ++r) {
-    const int rank_begin = Partition::rank_begin(r, ranks, vertices_);
     const int rank_end = Partition::rank_begin(r + 1, ranks, vertices_);
-    for (int g = 0; g < 2; ++g) {
-      for (int v = rank_begin; v < rank_end; ++v) {
+    for (std::size_t g = 0; g < 2; ++g) {
+      for (int v = Partition::rank_begin(r, ranks, vertices_); v < rank_end; ++v) {
         global[g][v] = all_unknowns_;
-        all_unknowns_ += g == 0 || wound_.vertex[v] ? stride[g] : 0;
+        all_unknowns_ += g == 0 || wound_.vertex[v] ? groups_[g].stride() : 0;
       }
     }
   }
-  wound_unknowns_ = static_cast<int>(std::ranges::count(wound_.vertex, true)) * species_;
-  for (int g = 0; g < 2; ++g) {
-    groups_[g].diffusion.first = own_unknowns_;
-    own_unknowns_ += stride[g] * static_cast<int>(groups_[g].vertices.size());
-  }
-  for (int g = 0; g < 2; ++g) {
-    for (int c = 0; c < Partition::chunks; ++c) {
-      const auto& own = groups_[g].vertices;
-      const auto before =
-          std::ranges::lower_bound(own, Partition::chunk_begin(c, vertices_)) - own.begin();
-      chunks_.push_back(groups_[g].diffusion.first + stride[g] * static_cast<int>(before));
+}
+
+/// Columns that are vertices become places in the local vector: own unknowns, then ghosts.
+void System::localise_columns(Group& group, const std::vector<int>& global) {
+  auto& entries = group.diffusion.laplacian.entries;
+  const auto mine = [&](int vertex) {
+    return vertex >= begin_ && vertex < end_;
+  };
+  std::vector<int> strangers;
+  for (const auto& e : entries) {
+    if (!mine(e.column)) {
+      strangers.push_back(e.column);
     }
   }
-  chunks_.push_back(own_unknowns_);
-  const int first_global = vertices_ > begin_ ? global[0][begin_] : 0;
-  for (int g = 0; g < 2; ++g) {
-    Group& group = groups_[g];
-    Laplacian& l = group.diffusion.laplacian;
-    l = make_laplacian(mesh, points, wound_, g == 0 ? Domain::Mesh : Domain::Wound, group.vertices);
-    std::vector<int> strangers;
-    for (const auto& e : l.entries) {
-      if (e.column < begin_ || e.column >= end_) {
-        strangers.push_back(e.column);
-      }
+  std::ranges::sort(strangers);
+  const auto repeated = std::ranges::unique(strangers);
+  strangers.erase(repeated.begin(), repeated.end());
+  const int first_ghost = own_unknowns_ + static_cast<int>(ghosts_.size());
+  for (const int v : strangers) {
+    for (int s = 0; s < group.stride(); ++s) {
+      ghosts_.push_back(global[v] + s);
     }
-    std::ranges::sort(strangers);
-    const auto repeated = std::ranges::unique(strangers);
-    strangers.erase(repeated.begin(), repeated.end());
-    const int first_ghost = own_unknowns_ + static_cast<int>(ghosts_.size());
-    for (const int v : strangers) {
-      for (int s = 0; s < stride[g]; ++s) {
-        ghosts_.push_back(global[g][v] + s);
-      }
-    }
-    for (auto& e : l.entries) {
-      const bool mine = e.column >= begin_ && e.column < end_;
-      const auto place = std::ranges::lower_bound(strangers, e.column) - strangers.begin();
-      e.column = mine ? global[g][e.column] - first_global
-                      : first_ghost + stride[g] * static_cast<int>(place);
-    }
+  }
+  const auto place = [](const std::vector<int>& sorted, int vertex) {
+    return static_cast<int>(std::ranges::lower_bound(sorted, vertex) - sorted.begin());
+  };
+  for (auto& e : entries) {
+    e.column = mine(e.column)
+                   ? group.diffusion.first + group.stride() * place(group.vertices, e.column)
+                   : first_ghost + group.stride() * place(strangers, e.column);
+  }
+}
+
+void System::add_chunks(const Group& group) {
+  for (int c = 0; c < Partition::chunks; ++c) {
+    const auto before =
+        std::ranges::lower_bound(group.vertices, Partition::chunk_begin(c, vertices_)) -
+        group.vertices.begin();
+    chunks_.push_back(group.diffusion.first + group.stride() * static_cast<int>(before));
   }
 }
 

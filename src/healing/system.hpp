@@ -71,8 +71,11 @@ class System {
     std::vector<int> species;
     std::vector<int> vertices;  ///< own, ascending
     Diffusion diffusion;
+    [[nodiscard]] int stride() const { return static_cast<int>(species.size()); }
   };
-  void number_unknowns(const TetMesh& mesh, std::span<const Vec3> points, int ranks);
+  void number_globally(int ranks, std::array<std::vector<int>, 2>& global);
+  void localise_columns(Group& group, const std::vector<int>& global);
+  void add_chunks(const Group& group);
   void index_vertices();
   void gather(std::span<const double> own, std::span<double> at_vertices) const;
   [[nodiscard]] std::span<const double> wound_flags() const;
@@ -83,7 +86,7 @@ class System {
   std::array<Group, 2> groups_;
   int own_unknowns_ = 0, all_unknowns_ = 0, wound_unknowns_ = 0;
   std::vector<int> ghosts_, chunks_;
-  // Unknowns by own vertex: vertex i has those of unknown_[k], species_of_[k] with
+  // Unknowns by own vertex: vertex i has unknown_[k] of species species_of_[k] for
   // first_[i] <= k < first_[i + 1], and a square block of that size from block_[i] on.
   std::vector<int> first_, unknown_, species_of_, block_;
   std::vector<double> source_jacobian_, block_inverse_;      // blocks, row-major

@@ -72,7 +72,7 @@ void refine_to_target(Refinement& refinement, Sizing& sizing, int target, double
   constexpr int tries = 3;
   for (int i = 0; i < tries; ++i) {
     sizing.aim_at(target, count);
-    count = refinement.refine(size, surface_distance_mm, static_cast<unsigned>(ctx.seed()));
+    count = refinement.refine(size, surface_distance_mm);
     ctx.at((i + 1.0) / tries, fmt::format("{} vertices, far edge {:.1f} mm, near edge {:.1f} mm",
                                           count, sizing.far_mm(), sizing.near_mm()));
     if (std::abs(count - target) < 0.1 * target) {

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/clip.h>
@@ -34,6 +37,9 @@ double outside_tissue(const Anatomy& anatomy, const Vec3& p) {
   return std::max(sample(anatomy.outside_skin, p), sample(anatomy.behind_chest, p));
 }
 
+/// The planes of the box may move outwards by this much.
+constexpr double room_mm = 8.0;
+
 /// The domain's function on a grid a little larger than the clip box, positive on its border so
 /// that the iso-surface is closed.
 vtkNew<vtkImageData> sample_domain(const Anatomy& anatomy) {
@@ -44,8 +50,8 @@ vtkNew<vtkImageData> sample_domain(const Anatomy& anatomy) {
   std::array<int, 3> size{};
   for (std::size_t a = 0; a < 3; ++a) {
     // Two extra layers: the planes then cut whole cells of the surface.
-    low[a] = std::max(anatomy.box.low_mm[a], first[a]) - 2.3 * iso_spacing_mm;
-    const double high = std::min(anatomy.box.high_mm[a], last[a]) + 2.3 * iso_spacing_mm;
+    low[a] = std::max(anatomy.box.low_mm[a] - room_mm, first[a]) - 2.3 * iso_spacing_mm;
+    const double high = std::min(anatomy.box.high_mm[a] + room_mm, last[a]) + 2.3 * iso_spacing_mm;
     size[a] = static_cast<int>(std::ceil((high - low[a]) / iso_spacing_mm)) + 1;
   }
   vtkNew<vtkFloatArray> values;
@@ -134,6 +140,58 @@ Patch patch_of(const Anatomy& anatomy, const std::vector<ClipPlane>& planes,
                                                                                      : Patch::Skin;
 }
 
+ClipBox shifted_box(const Anatomy& anatomy, const Vec3& inwards_mm) {
+  const Image3<float>& image = anatomy.outside_skin;
+  const Vec3 first = image.origin_mm;
+  const Vec3 last = image.position_mm(image.size[0] - 1, image.size[1] - 1, image.size[2] - 1);
+  ClipBox box = anatomy.box;
+  for (const std::size_t a : {0, 1, 2}) {
+    // Moving outwards ends two voxels before the border of the image.
+    const double border = 2.0 * image.spacing_mm[a];
+    const double by = inwards_mm[a];
+    if (a != 1) {
+      box.low_mm[a] =
+          by > 0.0 ? box.low_mm[a] + by
+                   : std::min(box.low_mm[a], std::max(box.low_mm[a] + by, first[a] + border));
+    }
+    box.high_mm[a] =
+        by > 0.0 ? box.high_mm[a] - by
+                 : std::max(box.high_mm[a], std::min(box.high_mm[a] - by, last[a] - border));
+  }
+  return box;
+}
+
+/// CGAL numbers the new points of a cut by their addresses; put everything in an order that depends
+/// on positions only, so that the same labels always give the same mesh.
+void sort_by_position(DomainSurface& domain) {
+  std::vector<int> order(domain.points_mm.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto point = [&](int v) {
+    return domain.points_mm[static_cast<std::size_t>(v)];
+  };
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return point(a) < point(b); });
+  std::vector<int> rank(order.size());
+  std::vector<Vec3> sorted;
+  for (std::size_t r = 0; r < order.size(); ++r) {
+    rank[static_cast<std::size_t>(order[r])] = static_cast<int>(r);
+    sorted.push_back(point(order[r]));
+  }
+  domain.points_mm = std::move(sorted);
+  std::vector<std::pair<std::array<int, 3>, Patch>> faces;
+  for (std::size_t t = 0; t < domain.triangles.size(); ++t) {
+    auto v = domain.triangles[t];
+    for (int& corner : v) {
+      corner = rank[static_cast<std::size_t>(corner)];
+    }
+    std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
+    faces.emplace_back(v, domain.patch[t]);
+  }
+  std::sort(faces.begin(), faces.end());
+  for (std::size_t t = 0; t < faces.size(); ++t) {
+    std::tie(domain.triangles[t], domain.patch[t]) = faces[t];
+  }
+}
+
 /// The part of a closed surface inside the box, closed by the box's planes.
 DomainSurface clip(SurfaceMesh surface, const Anatomy& anatomy, const ClipBox& box,
                    const std::array<Vec3, 2>& nipple_mm) {
@@ -168,6 +226,7 @@ DomainSurface clip(SurfaceMesh surface, const Anatomy& anatomy, const ClipBox& b
     domain.triangles.push_back(corner);
     domain.patch.push_back(patch_of(anatomy, planes, p));
   }
+  sort_by_position(domain);
   return domain;
 }
 
@@ -193,25 +252,25 @@ DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& 
   if (!pmp::is_outward_oriented(whole)) {
     pmp::reverse_face_orientations(whole);
   }
-  // Inward shifts [mm] of the lateral, posterior and horizontal planes, tried in turn.
-  constexpr std::array<Vec3, 9> shifts{{{0, 0, 0},
-                                        {0, 4, 0},
-                                        {4, 0, 0},
-                                        {0, 8, 0},
-                                        {8, 0, 0},
-                                        {0, 0, 4},
-                                        {4, 8, 4},
-                                        {8, 4, 4},
-                                        {0, 12, 4}}};
-  // About half the smallest edge that far from a resection.
-  constexpr double enough_mm = 2.0;
+  // Shifts [mm] of the lateral, posterior and horizontal planes, inwards, tried in turn.
+  constexpr std::array<Vec3, 12> shifts{{{0, 0, 0},
+                                         {0, 4, 0},
+                                         {4, 0, 0},
+                                         {0, -4, 0},
+                                         {-4, 0, 0},
+                                         {0, 8, 0},
+                                         {8, 0, 0},
+                                         {-8, 0, 0},
+                                         {0, 0, 4},
+                                         {4, 4, 4},
+                                         {-4, 8, 4},
+                                         {8, 8, 4}}};
+  // Narrower strips would need edges that are much finer than any part of interest.
+  constexpr double enough_mm = 2.5;
   DomainSurface best;
   double best_clearance = -1.0;
   for (const Vec3& shift : shifts) {
-    ClipBox box = anatomy.box;
-    box.low_mm += Vec3{shift[0], 0, shift[2]};
-    box.high_mm = box.high_mm - shift;
-    DomainSurface domain = clip(whole, anatomy, box, nipple_mm);
+    DomainSurface domain = clip(whole, anatomy, shifted_box(anatomy, shift), nipple_mm);
     const double clearance = clearance_mm(domain, find_curves(domain));
     if (clearance > best_clearance) {
       best = std::move(domain);

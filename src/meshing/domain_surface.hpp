@@ -31,7 +31,7 @@ struct DomainSurface {
 };
 
 /// Surface of soft tissue in front of the chest inside the box: closed, one piece. The planes are
-/// moved inwards a little where they would leave strips too narrow to mesh.
+/// moved a little where they would leave strips too narrow to mesh.
 /// Throws Error{Input} when the breasts are not connected.
 DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& nipple_mm);
 

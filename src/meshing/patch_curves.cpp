@@ -103,7 +103,7 @@ double clearance_mm(const DomainSurface& surface, const std::vector<PatchCurve>&
   std::vector<std::vector<Vec3>> points;
   for (const PatchCurve& curve : curves) {
     points.push_back(points_of(surface, curve));
-    least = std::min(least, length(points.back()));
+    least = std::min(least, length(points.back()) / 3.0);
   }
   for (std::size_t i = 0; i < curves.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

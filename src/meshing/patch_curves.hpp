@@ -16,8 +16,8 @@ struct PatchCurve {
 };
 std::vector<PatchCurve> find_curves(const DomainSurface& surface);
 
-/// How far apart [mm] curves stay from each other away from their common ends, or the length of the
-/// shortest curve if that is less. A mesh needs smaller edges than this.
+/// How far apart [mm] curves stay from each other away from their common ends, or a third of
+/// the length of the shortest curve if that is less. A mesh needs smaller edges than this.
 double clearance_mm(const DomainSurface& surface, const std::vector<PatchCurve>& curves);
 
 }  // namespace sanatrix::meshing

@@ -12,8 +12,8 @@ constexpr double growth = 0.4;
 /// Thin tissue gets elements of this part of its thickness, but not below the floor, which keeps
 /// the skin over the sternum from using up all vertices.
 constexpr double thickness_part = 0.55;
-constexpr double thin_floor_mm = 4.0;
-/// The far edge may grow by this before the focus is made coarser too.
+constexpr double thin_floor_mm = 5.0;
+/// Edges outside the focus may grow by this before the focus is made coarser too.
 constexpr double most_far_growth = 1.6;
 /// First guess of vertices per (edge length)^3; meshes of patients need 1.0 to 1.3.
 constexpr double usual_vertices_per_edge_volume = 1.15;
@@ -59,7 +59,7 @@ double Sizing::beyond_focus_mm(const Vec3& p_mm) const {
 }
 
 double Sizing::edge_mm(const Sample& s) const {
-  const double in_thin = std::max(thickness_part * s.thickness, thin_floor_mm);
+  const double in_thin = std::max(thin_part_ * s.thickness, thin_floor_mm);
   const double in_focus = near_mm_ + growth * std::max(0.0, s.beyond_focus);
   return std::min({far_mm_, in_thin, in_focus});
 }
@@ -70,7 +70,8 @@ double Sizing::edge_mm(const Vec3& p_mm) const {
 
 void Sizing::set_scale(double scale) {
   far_mm_ = std::max(asked_far_mm_ * std::min(scale, most_far_growth), asked_near_mm_);
-  near_mm_ = asked_near_mm_ * std::max(1.0, scale / most_far_growth);
+  near_mm_ = std::min(asked_near_mm_ * std::max(1.0, scale / most_far_growth), far_mm_);
+  thin_part_ = thickness_part * std::clamp(scale, 1.0, most_far_growth);
 }
 
 double Sizing::expected_vertices() const {

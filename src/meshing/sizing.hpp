@@ -36,6 +36,7 @@ class Sizing {
   std::optional<Focus> focus_;  ///< [m]
   double asked_near_mm_, asked_far_mm_;
   double near_mm_ = 0.0, far_mm_ = 0.0;
+  double thin_part_ = 0.0;       ///< edge length / thickness of tissue where it is thin
   std::vector<Sample> samples_;  ///< spread evenly over the domain
   double volume_per_sample_mm3_ = 0.0;
   double vertices_per_edge_volume_;

@@ -10,7 +10,6 @@
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Polyhedral_mesh_domain_with_features_3.h>
-#include <CGAL/Random.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/boost/graph/properties_Surface_mesh_features.h>
 #include <CGAL/make_mesh_3.h>
@@ -133,9 +132,7 @@ struct Refinement::Impl {
 Refinement::Refinement(const DomainSurface& surface) : impl_(std::make_unique<Impl>(surface)) {}
 Refinement::~Refinement() = default;
 
-int Refinement::refine(const SizeField& edge_mm, double surface_distance_mm, unsigned seed) {
-  // CGAL draws its first points from a global generator.
-  CGAL::get_default_random() = CGAL::Random(seed);
+int Refinement::refine(const SizeField& edge_mm, double surface_distance_mm) {
   namespace p = CGAL::parameters;
   // The factors make the mean edge about as long as asked for: CGAL bounds circumradii.
   const Criteria criteria(p::edge_size = Radius{&edge_mm, 0.95}, p::facet_angle = 25.0,

@@ -31,8 +31,8 @@ class Refinement {
   Refinement(const Refinement&) = delete;
   Refinement& operator=(const Refinement&) = delete;
 
-  /// A new mesh of the domain; returns its number of vertices.
-  int refine(const SizeField& edge_mm, double surface_distance_mm, unsigned seed);
+  /// A new mesh of the domain, always the same for the same sizes; returns its number of vertices.
+  int refine(const SizeField& edge_mm, double surface_distance_mm);
   /// Moves and reweights vertices of flat cells until all dihedral angles exceed the bound, nothing
   /// helps any more or the time is over.
   void improve_angles(double bound_deg, double seconds);

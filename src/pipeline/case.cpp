@@ -116,10 +116,10 @@ surgery::Plan Case::plan() const {
                 "give one with `sanatrix run CASE --plan plan.json` (docs/user/plan.md)");
   }
   surgery::Plan plan = surgery::read_plan(read_text(input("plan")), "plan.json");
-  const std::string prefix = "surgery.";
-  for (const auto& [key, value] : parameters.given()) {
-    if (key.starts_with(prefix)) {
-      surgery::set_plan_value(plan, key.substr(prefix.size()), value);
+  // The radius last: changed tumour and margin would move it along.
+  for (const std::string key : {"tumour_radius_mm", "margin_mm", "clearance_mm", "radius_mm"}) {
+    if (parameters.has("surgery." + key)) {
+      surgery::set_plan_value(plan, key, parameters.text("surgery." + key));
     }
   }
   return plan;

@@ -77,12 +77,12 @@ void add_body(std::vector<ParameterInfo>& t) {
 }
 
 void add_treatment(std::vector<ParameterInfo>& t) {
-  t.push_back(number("surgery.margin_mm", "", 0, 60, "mm", "margin (default: as the plan says)"));
-  t.push_back(number("surgery.radius_mm", "", 1, 100, "mm",
+  t.push_back(number("surgery.margin_mm", "", 0, 40, "mm", "margin (default: as the plan says)"));
+  t.push_back(number("surgery.radius_mm", "", 3, 100, "mm",
                      "cylinder radius (default: the plan's, or tumour radius + margin)"));
-  t.push_back(number("surgery.clearance_mm", "", 0, 50, "mm",
+  t.push_back(number("surgery.clearance_mm", "", 1, 30, "mm",
                      "distance kept from skin and chest wall (default: as the plan says, 5)"));
-  t.push_back(number("surgery.tumour_radius_mm", "", 0.5, 80, "mm",
+  t.push_back(number("surgery.tumour_radius_mm", "", 0.5, 60, "mm",
                      "tumour radius (default: as the plan says)"));
   t.push_back(choice("heal.preset", healing::preset_names(), "healing model and its values",
                      "vavourakis2016"));

@@ -45,7 +45,7 @@ class Recovery {
         species_(mesh_, problem.species_points, problem.wound_fraction, *problem.model,
                  problem.species_options),
         solver_(*problem.body),
-        wound_(mesh_, problem.wound_fraction) {
+        wound_(mesh_, problem.wound_fraction, problem.reference_nodes.first(mesh_.points.size())) {
     result_.totals.min_jacobian = 1.0;
   }
 

@@ -2,7 +2,8 @@
 
 namespace sanatrix::recovery {
 
-WoundShape::WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction)
+WoundShape::WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction,
+                       std::span<const Vec3> reference_points)
     : mesh_(&mesh), fraction_(wound_fraction.begin(), wound_fraction.end()) {
   // The boundary of the sub-mesh of wound cells: faces that only one of them has.
   TetMesh wound;
@@ -13,13 +14,17 @@ WoundShape::WoundShape(const TetMesh& mesh, std::span<const double> wound_fracti
   }
   wound.points = mesh.points;
   wall_ = boundary_of(wound);
+  const std::vector<double> volumes = cell_volumes(mesh, reference_points);
+  for (std::size_t c = 0; c < volumes.size(); ++c) {
+    healthy_share_ += fraction_[c] > 0.0 ? (1.0 - fraction_[c]) * volumes[c] : 0.0;
+  }
 }
 
 double WoundShape::volume(std::span<const Vec3> points) const {
   const std::vector<double> volumes = cell_volumes(*mesh_, points);
-  double sum = 0.0;
+  double sum = -healthy_share_;
   for (std::size_t c = 0; c < volumes.size(); ++c) {
-    sum += fraction_[c] * volumes[c];
+    sum += fraction_[c] > 0.0 ? volumes[c] : 0.0;
   }
   return sum;
 }

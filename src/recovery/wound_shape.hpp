@@ -12,8 +12,10 @@ namespace sanatrix::recovery {
 class WoundShape {
  public:
   /// wound_fraction per cell, 0..1; the wall separates cells at or above one half from the others.
-  WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction);
-  /// Sum of fraction x volume [m3].
+  WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction,
+             std::span<const Vec3> reference_points);
+  /// Volume of the wounded share [m3]: in a cell that is partly healthy, the healthy share keeps
+  /// its reference volume (it is incompressible) and the wound takes the whole change.
   [[nodiscard]] double volume(std::span<const Vec3> points) const;
   /// Area-weighted mean displacement of the wall towards the inside [m].
   [[nodiscard]] double mean_inward_displacement(std::span<const Vec3> before,
@@ -22,6 +24,7 @@ class WoundShape {
  private:
   const TetMesh* mesh_;
   std::vector<double> fraction_;
+  double healthy_share_ = 0.0;            ///< of partly wounded cells [m3]
   std::vector<std::array<int, 3>> wall_;  ///< oriented out of the wound
 };
 

@@ -13,8 +13,9 @@ constexpr double mm = 1e-3;
 constexpr double usual_step = 2.0 * mm;
 /// No resection is longer than this to either side of the tumour.
 constexpr double longest = 300.0 * mm;
-constexpr int parts = 4;          // of a grid cell's edge when measuring the volume
-constexpr float outside = -1.0F;  // a sample that was looked at and is not removed
+constexpr double steepest = 1.7320508;  // Lipschitz bound of the rounded maximum of three distances
+constexpr int parts = 4;                // of a grid cell's edge when measuring the volume
+constexpr float outside = -1.0F;        // a sample that was looked at and is not removed
 
 }  // namespace
 
@@ -160,7 +161,8 @@ void Resection::measure_cell(const std::array<int, 3>& low, Measure& sum) const 
   if (deepest <= 0.0F) {
     return;
   }
-  if (shallowest > 2.0 * diagonal) {
+  // No point of the cell is farther than half a diagonal from a corner.
+  if (shallowest > 0.5 * diagonal * steepest) {
     sum.volume_m3 += h * h * h;
     return;
   }
@@ -178,10 +180,13 @@ void Resection::measure_cell(const std::array<int, 3>& low, Measure& sum) const 
       continue;
     }
     sum.volume_m3 += share * small * small * small;
-    if (f <= 0.0 && caps.skin) {
+    if (f > 0.0 || f < -small) {
+      continue;  // not at the surface, where the smallest distances are
+    }
+    if (caps.skin) {
       sum.min_skin_distance_m = std::min(sum.min_skin_distance_m, skin_tree_.closest(p).distance);
     }
-    if (f <= 0.0 && caps.chest) {
+    if (caps.chest) {
       sum.min_chest_distance_m =
           std::min(sum.min_chest_distance_m, chest_tree_.closest(p).distance);
     }

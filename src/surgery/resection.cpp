@@ -17,8 +17,8 @@ constexpr double usual_blend = 4.0 * mm;
 constexpr double normal_smoothing = 20.0 * mm;
 /// The rounded maximum of three distances changes at most sqrt(3) per metre.
 constexpr double steepest = 1.7320508;
-/// Edge of the small tetrahedra of cut cells: against the 4 mm rounding they err by 0.05 mm.
-constexpr double lattice_edge = 1.5 * mm;
+/// Edge of the small tetrahedra of cut cells: against the 4 mm rounding they err by 0.1 mm.
+constexpr double lattice_edge = 2.0 * mm;
 
 std::string in_mm(const Vec3& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p[0] / mm, p[1] / mm, p[2] / mm);
