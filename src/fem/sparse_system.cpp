@@ -24,8 +24,6 @@ void check(PetscErrorCode code, const char* doing) {
 constexpr int slow_solve = 14;
 constexpr int max_direct_iterations = 60;
 constexpr int max_block_iterations = 400;
-/// A system that block preconditioning failed on this often is given to the direct solver at once.
-constexpr int max_block_failures = 2;
 /// Below this many unknowns a factorisation costs next to nothing.
 constexpr int small_system = 3000;
 
@@ -43,7 +41,6 @@ struct SparseSystem::Impl {
   std::vector<bool> is_pressure;
   std::size_t fixed_owned = 0;
   int dofs = 0;
-  int block_failures = 0;
   bool factors_stale = true;
   Symmetry symmetry = Symmetry::General;
   Mat matrix = nullptr, schur = nullptr;
@@ -244,13 +241,13 @@ bool SparseSystem::Impl::run(KSP solver, double relative_tolerance, int& iterati
 }
 
 bool SparseSystem::Impl::solve_by_blocks(double relative_tolerance, LinearReport& report) {
-  if (dofs < small_system || block_failures >= max_block_failures) {
+  // Factors that a failure of the blocks forced are used up before the blocks are tried again.
+  if (dofs < small_system || (direct != nullptr && !factors_stale)) {
     return false;
   }
   update_schur();
   check(KSPSetOperators(block, matrix, matrix), "setting the matrix");
   report.converged = run(block, relative_tolerance, report.iterations);
-  block_failures += report.converged ? 0 : 1;
   return report.converged;
 }
 

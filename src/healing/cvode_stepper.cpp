@@ -155,7 +155,7 @@ class Cvode final : public Stepper {
     SUNLinSol_SPGMRSetMaxRestarts(solver_, krylov_restarts);
     check(CVodeSetLinearSolver(cvode_, solver_, nullptr), "CVodeSetLinearSolver");
     check(CVodeSetEpsLin(cvode_, krylov_share), "CVodeSetEpsLin");
-    check(CVodeSetJacTimes(cvode_, nullptr, jacobian_times), "CVodeSetJacTimes");
+    check(CVodeSetJacTimes(cvode_, linearise, jacobian_times), "CVodeSetJacTimes");
     check(CVodeSetPreconditioner(cvode_, factorise, precondition), "CVodeSetPreconditioner");
   }
 
@@ -178,7 +178,14 @@ class Cvode final : public Stepper {
     return 0;
   }
 
-  /// At the Jacobian of the last set-up: Newton's own test notices when that is too old.
+  /// Before every Newton step: a Jacobian as old as the preconditioner's costs tight tolerances
+  /// dearly.
+  static int linearise(double, N_Vector q, N_Vector, void* user) {
+    const LocalValues x(N_VGetVector_Petsc(q));
+    self(user).system_.linearise(x.own());
+    return 0;
+  }
+
   static int jacobian_times(N_Vector v, N_Vector jv, double, N_Vector, N_Vector, void* user,
                             N_Vector) {
     update_ghosts(N_VGetVector_Petsc(v));

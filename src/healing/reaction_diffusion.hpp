@@ -26,7 +26,8 @@ struct RdOptions {
 class ReactionDiffusion {
  public:
   /// wound_fraction: per cell, 0..1. A vertex is a wound vertex when a cell with fraction >= 0.5
-  /// touches it (interface vertices start as wound: PARAMETERS.md 5.3); the others are clamped.
+  /// touches it. Interface vertices start as wound and exchange with healthy tissue across the
+  /// wound's surface; vertices strictly outside are clamped (docs/theory/healing.md).
   ReactionDiffusion(const TetMesh& mesh, std::span<const Vec3> points,
                     std::span<const double> wound_fraction, const Model& model, RdOptions options);
   ~ReactionDiffusion();
@@ -45,7 +46,8 @@ class ReactionDiffusion {
   void restore(double t_s, std::span<const double> state);
   /// Per vertex: does it belong to the wound (interface included)?
   [[nodiscard]] const std::vector<bool>& wound_vertices() const;
-  /// cells() of the model averaged over each cell's four vertices. Per cell.
+  /// cells() of the model in the wound's part of each cell: averaged over its wound vertices; over
+  /// all four where it has none.
   [[nodiscard]] std::vector<double> cell_density() const;
   /// Number of time steps so far.
   [[nodiscard]] long steps() const;
@@ -55,7 +57,8 @@ class ReactionDiffusion {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Means over the wound and the value at the vertex nearest to its centroid, per species.
+/// Volume means over the wound vertices' share of the wound, and the value at the vertex nearest to
+/// the wound's centroid, per species. Columns of history.csv: key_mean, key_centre.
 struct SpeciesRecord {
   double t_day;
   std::vector<double> mean, centre;         ///< per species

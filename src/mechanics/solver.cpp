@@ -17,7 +17,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// then converges in fewer iterations than with damped steps (measured: 12 instead of 16).
 constexpr double allowed_growth = 10.0;
 /// Below this share of a step the search direction is no good: the load step is halved instead.
-constexpr double smallest_step = 1.0 / 64.0;
+constexpr double smallest_step = 1e-3;
 
 std::vector<double> minus(const std::vector<double>& a, const std::vector<double>& b, double s) {
   std::vector<double> r(a.size());
@@ -60,10 +60,10 @@ bool Solver::Impl::line_search(State& state, const std::vector<double>& directio
       state = std::move(trial);
       return true;
     }
-    // The quadratic through the merit at 0 (slope -2 before^2) and alpha, kept within [0.1, 0.5].
+    // The quadratic through the merit at 0 (slope -2 before^2) and alpha, kept within [0.25, 0.5].
     const double ratio = valid ? after / before : 0.0;
     const double best = valid ? alpha / (ratio * ratio - 1.0 + 2.0 * alpha) * alpha : 0.5 * alpha;
-    alpha = std::clamp(best, 0.1 * alpha, 0.5 * alpha);
+    alpha = std::clamp(best, 0.25 * alpha, 0.5 * alpha);
   }
   return false;
 }

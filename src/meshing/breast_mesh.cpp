@@ -19,8 +19,9 @@ namespace {
 /// A solver needs dihedral angles above 10 degrees; asking for a little more leaves room.
 constexpr double least_dihedral_deg = 10.0;
 constexpr double wanted_dihedral_deg = 12.0;
-/// Skin faces may be this far from the skin: a third of a voxel of the label grid.
-constexpr double surface_distance_mm = 0.5;
+/// Skin faces may be this part of the far edge away from the skin: a third of a voxel of the label
+/// grid for edges of 8 mm.
+constexpr double surface_distance_part = 1.0 / 16.0;
 
 class Deadline {
  public:
@@ -46,11 +47,11 @@ class Deadline {
 
 void check(const LabelImage& labels, const Image3<float>& fibroglandular,
            const MeshOptions& options) {
-  require(options.target_vertices >= 500 && options.target_vertices <= 500000,
-          "target vertices must be 500 to 500000, not {}", options.target_vertices);
+  require(options.target_vertices >= 500 && options.target_vertices <= 2000000,
+          "target vertices must be 500 to 2000000, not {}", options.target_vertices);
   require(options.near_edge_m >= 0.001 && options.near_edge_m <= options.far_edge_m &&
-              options.far_edge_m <= 0.03,
-          "edges must be 1 mm <= near ({:g} mm) <= far ({:g} mm) <= 30 mm",
+              options.far_edge_m <= 0.04,
+          "edges must be 1 mm <= near ({:g} mm) <= far ({:g} mm) <= 40 mm",
           1e3 * options.near_edge_m, 1e3 * options.far_edge_m);
   require(labels.voxels.size() == fibroglandular.voxels.size(),
           "labels and fibroglandular fraction are on different grids");
@@ -72,7 +73,7 @@ void refine_to_target(Refinement& refinement, Sizing& sizing, int target, double
   constexpr int tries = 3;
   for (int i = 0; i < tries; ++i) {
     sizing.aim_at(target, count);
-    count = refinement.refine(size, surface_distance_mm);
+    count = refinement.refine(size, surface_distance_part * sizing.far_mm());
     ctx.at((i + 1.0) / tries, fmt::format("{} vertices, far edge {:.1f} mm, near edge {:.1f} mm",
                                           count, sizing.far_mm(), sizing.near_mm()));
     if (std::abs(count - target) < 0.1 * target) {

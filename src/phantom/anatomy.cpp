@@ -32,8 +32,8 @@ double soft_positive(double x) {
 }
 
 double base_radius_for(double volume) {
-  // Base width 84, 126 and 164 mm for 150, 600 and 1500 cm3.
-  return 63.0 * mm * std::pow(volume / usual_volume, 0.29);
+  // Base width 80, 126 and 170 mm for 150, 600 and 1500 cm3.
+  return 63.0 * mm * std::pow(volume / usual_volume, 0.33);
 }
 
 double half_distance_for(double volume) {

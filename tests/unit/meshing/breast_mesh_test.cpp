@@ -56,7 +56,10 @@ class SyntheticMesh : public ::testing::Test {
     delete model_;
   }
   static MeshOptions options() {
-    return {.target_vertices = 5000, .focus = focus_in_left_breast()};
+    MeshOptions options;
+    options.target_vertices = 5000;
+    options.focus = focus_in_left_breast();
+    return options;
   }
   static const TetMesh& mesh() { return model_->mesh; }
 
@@ -189,7 +192,10 @@ class Refusal : public ::testing::Test {
   static std::string of(const LabelImage& labels, Fault fault = Fault::Input,
                         double time_limit_s = 60.0) {
     try {
-      mesh_of(labels, SyntheticTorso{}, {.target_vertices = 2000, .time_limit_s = time_limit_s});
+      MeshOptions options;
+      options.target_vertices = 2000;
+      options.time_limit_s = time_limit_s;
+      mesh_of(labels, SyntheticTorso{}, options);
     } catch (const Error& e) {
       EXPECT_EQ(e.fault(), fault);
       EXPECT_FALSE(e.hint().empty());
