@@ -10,7 +10,8 @@
 namespace sanatrix {
 
 /// A small container: name -> array of doubles or of 64-bit integers. Little-endian on disk with a
-/// magic number, version and SHA-256 trailer; load throws Error{Input} for truncated or changed files.
+/// magic number, version and SHA-256 trailer; load throws Error{Input} for truncated or changed
+/// files.
 struct Archive {
   std::map<std::string, std::vector<double>> reals;
   std::map<std::string, std::vector<std::int64_t>> integers;

@@ -42,7 +42,9 @@ class Context {
       : stage_(stage), listener_(&listener), stop_(std::move(stop)), seed_(seed) {}
 
   /// Call it often. Throws Cancelled when somebody pressed stop.
-  void at(double fraction, std::string text = {}) const { report(fraction, std::move(text), false); }
+  void at(double fraction, std::string text = {}) const {
+    report(fraction, std::move(text), false);
+  }
   /// The same for lines that only a verbose run shows (Newton residuals).
   void detail(double fraction, std::string text) const { report(fraction, std::move(text), true); }
   /// The same work, reporting into a part of the bar.

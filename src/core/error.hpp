@@ -12,11 +12,11 @@ namespace sanatrix {
 
 /// Whose fault it is; decides the exit code of the command.
 enum class Fault {
-  Usage,      ///< the command line is wrong                                   exit 1
-  Input,      ///< a file, a value or a patient's data cannot be used          exit 2
-  Numerics,   ///< the model did not converge                                  exit 3
-  Resource,   ///< disk, memory or time limit                                  exit 4
-  Internal,   ///< an invariant of ours is broken                              exit 6
+  Usage,     ///< the command line is wrong                                   exit 1
+  Input,     ///< a file, a value or a patient's data cannot be used          exit 2
+  Numerics,  ///< the model did not converge                                  exit 3
+  Resource,  ///< disk, memory or time limit                                  exit 4
+  Internal,  ///< an invariant of ours is broken                              exit 6
 };
 /// Exit code of a run that was interrupted and can be resumed.
 inline constexpr int exit_interrupted = 5;

@@ -11,11 +11,11 @@ namespace sanatrix {
 
 template <class T>
 struct Image3 {
-  std::array<int, 3> size{};               ///< voxels along i, j, k
+  std::array<int, 3> size{};  ///< voxels along i, j, k
   Vec3 spacing_mm{1, 1, 1};
-  Vec3 origin_mm{0, 0, 0};                 ///< LPS position of the centre of voxel (0,0,0)
-  Mat3 direction = identity3;              ///< columns are the LPS directions of i, j, k
-  std::vector<T> voxels;                   ///< i fastest
+  Vec3 origin_mm{0, 0, 0};     ///< LPS position of the centre of voxel (0,0,0)
+  Mat3 direction = identity3;  ///< columns are the LPS directions of i, j, k
+  std::vector<T> voxels;       ///< i fastest
 
   [[nodiscard]] std::size_t index(int i, int j, int k) const {
     return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size[1]) +
@@ -59,6 +59,8 @@ constexpr bool is_soft(unsigned char label) {
   return label == 1 || label == 2 || label == 3 || label == 8 || label == 9 || label == 10;
 }
 /// Chest wall and everything behind it.
-constexpr bool is_wall(unsigned char label) { return label >= 4 && label <= 7; }
+constexpr bool is_wall(unsigned char label) {
+  return label >= 4 && label <= 7;
+}
 
 }  // namespace sanatrix

@@ -17,7 +17,7 @@ struct BoundaryFace {
 };
 
 struct TetMesh {
-  std::vector<Vec3> points;               ///< [m], patient frame LPS (+x left, +y posterior, +z superior)
+  std::vector<Vec3> points;  ///< [m], patient frame LPS (+x left, +y posterior, +z superior)
   std::vector<std::array<int, 4>> cells;  ///< vertices, positive volume
   std::vector<int> region;                ///< per cell, index into region_names
   std::vector<std::string> region_names;

@@ -18,17 +18,25 @@ constexpr Vec3 operator+(const Vec3& a, const Vec3& b) {
 constexpr Vec3 operator-(const Vec3& a, const Vec3& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
-constexpr Vec3 operator*(double s, const Vec3& a) { return {s * a[0], s * a[1], s * a[2]}; }
-constexpr Vec3& operator+=(Vec3& a, const Vec3& b) { return a = a + b; }
+constexpr Vec3 operator*(double s, const Vec3& a) {
+  return {s * a[0], s * a[1], s * a[2]};
+}
+constexpr Vec3& operator+=(Vec3& a, const Vec3& b) {
+  return a = a + b;
+}
 constexpr double dot(const Vec3& a, const Vec3& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
+inline double norm(const Vec3& a) {
+  return std::sqrt(dot(a, a));
+}
 /// Unit vector along a; a must not be zero.
-inline Vec3 normalised(const Vec3& a) { return (1.0 / norm(a)) * a; }
+inline Vec3 normalised(const Vec3& a) {
+  return (1.0 / norm(a)) * a;
+}
 
 constexpr double determinant(const Mat3& m) {
   return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
@@ -37,12 +45,13 @@ constexpr double determinant(const Mat3& m) {
 }
 constexpr Mat3 inverse(const Mat3& m) {
   const double d = 1.0 / determinant(m);
-  return {{{d * (m[1][1] * m[2][2] - m[1][2] * m[2][1]), d * (m[0][2] * m[2][1] - m[0][1] * m[2][2]),
-            d * (m[0][1] * m[1][2] - m[0][2] * m[1][1])},
-           {d * (m[1][2] * m[2][0] - m[1][0] * m[2][2]), d * (m[0][0] * m[2][2] - m[0][2] * m[2][0]),
-            d * (m[0][2] * m[1][0] - m[0][0] * m[1][2])},
-           {d * (m[1][0] * m[2][1] - m[1][1] * m[2][0]), d * (m[0][1] * m[2][0] - m[0][0] * m[2][1]),
-            d * (m[0][0] * m[1][1] - m[0][1] * m[1][0])}}};
+  return {
+      {{d * (m[1][1] * m[2][2] - m[1][2] * m[2][1]), d * (m[0][2] * m[2][1] - m[0][1] * m[2][2]),
+        d * (m[0][1] * m[1][2] - m[0][2] * m[1][1])},
+       {d * (m[1][2] * m[2][0] - m[1][0] * m[2][2]), d * (m[0][0] * m[2][2] - m[0][2] * m[2][0]),
+        d * (m[0][2] * m[1][0] - m[0][0] * m[1][2])},
+       {d * (m[1][0] * m[2][1] - m[1][1] * m[2][0]), d * (m[0][1] * m[2][0] - m[0][0] * m[2][1]),
+        d * (m[0][0] * m[1][1] - m[0][1] * m[1][0])}}};
 }
 constexpr Vec3 operator*(const Mat3& m, const Vec3& v) {
   return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <utility>
+
+#include "core/error.hpp"
 
 namespace sanatrix::healing {
 namespace {
@@ -32,47 +35,39 @@ double surface_exchange(double volume, double area, double weights) {
   return std::min(2.0 * per_thickness * per_thickness, 4.0 * weights);
 }
 
-/// Size: number of species when known to the compiler (unrolled), or 0.
-template <int Size>
+/// Size: number of species, known to the compiler so that the sums stay in registers.
+template <std::size_t Size>
 void apply_group(const Diffusion& d, std::span<const double> healthy, std::span<const double> q,
                  std::span<double> out) {
-  const int n = Size > 0 ? Size : static_cast<int>(d.diffusivity.size());
   const Laplacian& l = d.laplacian;
-  const int rows = static_cast<int>(l.exchange.size());
-  for (int i = 0; i < rows; ++i) {
-    const double* const here = q.data() + d.first + i * n;
-    double* const sum = out.data() + d.first + i * n;
-    for (int s = 0; s < n; ++s) {
+  for (std::size_t i = 0; i < l.exchange.size(); ++i) {
+    std::array<double, Size> here, sum;
+    std::copy_n(q.begin() + d.first + i * Size, Size, here.begin());
+    for (std::size_t s = 0; s < Size; ++s) {
       sum[s] = l.exchange[i] * (healthy[s] - here[s]);
     }
     for (int e = l.row[i]; e < l.row[i + 1]; ++e) {
-      const double* const there = q.data() + l.entries[e].column;
-      const double weight = l.entries[e].weight;
-      for (int s = 0; s < n; ++s) {
+      const auto [column, weight] = l.entries[e];
+      for (std::size_t s = 0; s < Size; ++s) {
         // Differences, so that a uniform field stays uniform to the last bit.
-        sum[s] += weight * (there[s] - here[s]);
+        sum[s] += weight * (q[column + s] - here[s]);
       }
     }
-    for (int s = 0; s < n; ++s) {
-      sum[s] *= d.diffusivity[s];
+    for (std::size_t s = 0; s < Size; ++s) {
+      out[d.first + i * Size + s] = d.diffusivity[s] * sum[s];
     }
   }
 }
 
-void dispatch(const Diffusion& d, std::span<const double> healthy, std::span<const double> q,
-              std::span<double> out) {
-  switch (d.diffusivity.size()) {
-    case 0:
-      return;
-    case 1:
-      return apply_group<1>(d, healthy, q, out);
-    case 2:
-      return apply_group<2>(d, healthy, q, out);
-    case 3:
-      return apply_group<3>(d, healthy, q, out);
-    default:
-      return apply_group<0>(d, healthy, q, out);
-  }
+constexpr std::size_t most_species = 8;
+
+/// apply_group of the right size.
+template <std::size_t... Size>
+void apply_group_of(const Diffusion& d, std::span<const double> healthy, std::span<const double> q,
+                    std::span<double> out, std::index_sequence<Size...>) {
+  const std::size_t n = d.diffusivity.size();
+  ensure(n <= most_species, "healing: more than {} species of one kind", most_species);
+  ((n == Size + 1 ? apply_group<Size + 1>(d, healthy, q, out) : void()), ...);
 }
 
 }  // namespace
@@ -124,11 +119,12 @@ Laplacian make_laplacian(const TetMesh& mesh, std::span<const Vec3> points, cons
 }
 
 void Diffusion::apply(std::span<const double> q, std::span<double> out) const {
-  dispatch(*this, healthy, q, out);
+  apply_group_of(*this, healthy, q, out, std::make_index_sequence<most_species>());
 }
 
 void Diffusion::apply_homogeneous(std::span<const double> q, std::span<double> out) const {
-  dispatch(*this, std::vector<double>(healthy.size()), q, out);
+  apply_group_of(*this, std::vector<double>(healthy.size()), q, out,
+                 std::make_index_sequence<most_species>());
 }
 
 }  // namespace sanatrix::healing

@@ -79,16 +79,13 @@ std::array<int, 2> breast_columns(const LabelImage& labels, const std::vector<in
     height[c % nx] = std::max(height[c % nx], -front[c] * labels.spacing_mm[1]);
   }
   const std::vector<Peak> peaks = peaks_of(height);
-  if (peaks.front().prominence < least_prominence_mm) {
-    throw Error(Fault::Input, "labels: no breast stands forward (towards -y) of the chest",
-                "the image must be a prone MRI with the breasts hanging towards anterior");
-  }
   if (peaks.size() < 2 || peaks[1].prominence < least_prominence_mm) {
-    throw Error(Fault::Input,
-                fmt::format("labels: only one breast found (at x = {:.0f} mm); a second one with a "
-                            "cleft of {:.0f} mm or more between them is missing",
-                            labels.position_mm(peaks[0].at, 0, 0)[0], least_prominence_mm),
-                "use an image that shows both breasts and the sternum");
+    throw Error(
+        Fault::Input,
+        fmt::format("labels: two breasts with a cleft of {:.0f} mm or more between them were "
+                    "not found; the front of the body has one rise only, at x = {:.0f} mm",
+                    least_prominence_mm, labels.position_mm(peaks[0].at, 0, 0)[0]),
+        "use a prone MRI that shows both breasts hanging towards anterior, and the sternum");
   }
   return {std::min(peaks[0].at, peaks[1].at), std::max(peaks[0].at, peaks[1].at)};
 }

@@ -81,6 +81,28 @@ void add_stiffness(const Point<Nodes>& at, double w, const Tangent9& D, const Lo
   }
 }
 
+/// Shear modulus that sets the size of the stabilisations: at full integrity, because a fresh wound
+/// (1 % of it) would otherwise be forced to constant pressure.
+double stabilising_shear(const Tissue& t) {
+  return 2.0 * (t.c1 + t.c2) + t.active_stress;
+}
+
+/// The share gamma of the bulk modulus that every cell answers with on its own, beside the pressure
+/// field (grad-div stabilisation): the field conserves volume only around vertices, and single
+/// cells at a held edge would collapse. Small against kappa, so that nothing locks.
+double own_bulk(const Tissue& t) {
+  return std::min(2.0 * stabilising_shear(t), 0.02 * t.kappa);
+}
+
+/// gamma/2 (J - 1/J) and its derivative: gamma (J - 1) near rest, without bound towards J = 0.
+struct OwnPressure {
+  double p, dp_dJ;
+};
+OwnPressure own_pressure(const Tissue& t, double J) {
+  const double half = 0.5 * own_bulk(t);
+  return {half * (J - 1.0 / J), half * (1.0 + 1.0 / (J * J))};
+}
+
 /// Reference shape known: F = H. Returns det F.
 template <std::size_t Nodes>
 double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Nodes>& out) {
@@ -88,7 +110,8 @@ double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Node
   if (!(J > 0.0)) {
     return J;
   }
-  const StressPoint s = stress(in.tissue, at.H, at.p);
+  const OwnPressure own = own_pressure(in.tissue, J);
+  const StressPoint s = stress(in.tissue, at.H, at.p + own.p);
   const double w = at.volume;
   const Mat3 cofactor = {J * s.F_inv_t[0], J * s.F_inv_t[1], J * s.F_inv_t[2]};
   for (std::size_t a = 0; a < Nodes; ++a) {
@@ -104,7 +127,7 @@ double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Node
     return J;
   }
   Tangent9 A{};
-  stress_tangent(in.tissue, at.H, at.p, s, A);
+  stress_tangent(in.tissue, at.H, at.p + own.p, own.dp_dJ, s, A);
   add_stiffness(at, w, A, out);
   for (std::size_t a = 0; a < Nodes; ++a) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -122,7 +145,8 @@ double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Node
 Tangent9 inverse_tangent(const Tissue& tissue, const Mat3& F, double p, const StressPoint& s,
                          const Mat3& sigma) {
   Tangent9 A{};
-  stress_tangent(tissue, F, p, s, A);
+  const OwnPressure own = own_pressure(tissue, s.J);
+  stress_tangent(tissue, F, p + own.p, own.dp_dJ, s, A);
   const double j = 1.0 / s.J;
   Tangent9 D{};
   for (std::size_t K = 0; K < 3; ++K) {
@@ -161,7 +185,7 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
     return j;
   }
   const Mat3 F = inverse(at.H);
-  const StressPoint s = stress(in.tissue, F, at.p);
+  const StressPoint s = stress(in.tissue, F, at.p + own_pressure(in.tissue, 1.0 / j).p);
   Mat3 sigma{};
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -214,20 +238,14 @@ struct PressureMass {
   std::array<std::array<double, 4>, 4> M{};
 };
 
-/// Shear modulus that sets the size of the stabilisation: at full integrity, because a fresh wound
-/// (1 % of it) would otherwise be forced to constant pressure.
-double stabilising_shear(const Tissue& t) {
-  return 2.0 * (t.c1 + t.c2) + t.active_stress;
-}
-
 /// B = M/kappa + tau (M - m m^T/V) for an affine cell with constant measure V.
 PressureMass affine_pressure_block(const Tissue& tissue, double V) {
   PressureMass block;
-  const double tau = 1.0 / stabilising_shear(tissue);
+  const double tau = 2.0 / stabilising_shear(tissue);
   for (std::size_t a = 0; a < 4; ++a) {
     for (std::size_t b = 0; b < 4; ++b) {
       const double mass = V / 20.0 * (a == b ? 2.0 : 1.0);
-      block.M[a][b] = mass / tissue.kappa + tau * (mass - V / 16.0);
+      block.M[a][b] = mass / (tissue.kappa - own_bulk(tissue)) + tau * (mass - V / 16.0);
     }
   }
   return block;
@@ -298,7 +316,7 @@ double cell_element(const CellInput& in, std::span<double> residual, std::span<d
     } else {
       for (std::size_t a = 0; a < 4; ++a) {
         for (std::size_t b = 0; b < 4; ++b) {
-          block.M[a][b] = at.volume * at.Np[a] * at.Np[b] / in.tissue.kappa;
+          block.M[a][b] = at.volume * at.Np[a] * at.Np[b] / (in.tissue.kappa - own_bulk(in.tissue));
         }
       }
     }

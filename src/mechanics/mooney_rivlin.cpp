@@ -55,14 +55,15 @@ StressPoint stress(const Tissue& tissue, const Mat3& F, double p) {
   return at;
 }
 
-void stress_tangent(const Tissue& tissue, const Mat3& F, double p, const StressPoint& at,
-                    Tangent9& A) {
+void stress_tangent(const Tissue& tissue, const Mat3& F, double p, double dp_dJ,
+                    const StressPoint& at, Tangent9& A) {
   const Mat3& B = at.F_inv_t;
   const Invariants v = invariants(F, B, at.J);
   const double c1 = tissue.integrity * tissue.c1;
   const double c2 = tissue.integrity * tissue.c2;
   const Mat3 b = F * transpose(F);
   const double pJ = p * at.J;
+  const double twice = pJ + dp_dJ * at.J * at.J;                             // of B_iJ B_kL
   const double swap = 2.0 / 3.0 * c1 * v.I1b + 4.0 / 3.0 * c2 * v.I2b - pJ;  // of B_iL B_kJ
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t J = 0; J < 3; ++J) {
@@ -72,7 +73,7 @@ void stress_tangent(const Tissue& tissue, const Mat3& F, double p, const StressP
               -4.0 / 3.0 * c1 * v.j1 * F[i][J] * B[k][L] - 2.0 / 3.0 * c1 * B[i][J] * v.P1[k][L] -
               4.0 / 3.0 * c2 * v.j2 * v.M[i][J] * B[k][L] - 4.0 / 3.0 * c2 * B[i][J] * v.P2[k][L] +
               c2 * v.j2 * (4.0 * F[i][J] * F[k][L] - 2.0 * F[i][L] * F[k][J]) +
-              swap * B[i][L] * B[k][J] + pJ * B[i][J] * B[k][L];
+              swap * B[i][L] * B[k][J] + twice * B[i][J] * B[k][L];
           if (i == k) {
             a -= 2.0 * c2 * v.j2 * v.C[L][J];
           }

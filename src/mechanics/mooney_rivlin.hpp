@@ -18,9 +18,9 @@ struct StressPoint {
 
 /// P = integrity dWiso/dF + T F + p J F^-T. F must have det > 0.
 StressPoint stress(const Tissue& tissue, const Mat3& F, double p);
-/// dP/dF at constant p.
-void stress_tangent(const Tissue& tissue, const Mat3& F, double p, const StressPoint& at,
-                    Tangent9& A);
+/// dP/dF, where p itself changes with J by dp_dJ.
+void stress_tangent(const Tissue& tissue, const Mat3& F, double p, double dp_dJ,
+                    const StressPoint& at, Tangent9& A);
 /// integrity Wiso + T/2 (F:F - 3), the energy whose derivative is P without pressure [Pa].
 double energy(const Tissue& tissue, const Mat3& F);
 

@@ -253,20 +253,10 @@ DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& 
     pmp::reverse_face_orientations(whole);
   }
   // Shifts [mm] of the lateral, posterior and horizontal planes, inwards, tried in turn.
-  constexpr std::array<Vec3, 12> shifts{{{0, 0, 0},
-                                         {0, 4, 0},
-                                         {4, 0, 0},
-                                         {0, -4, 0},
-                                         {-4, 0, 0},
-                                         {0, 8, 0},
-                                         {8, 0, 0},
-                                         {-8, 0, 0},
-                                         {0, 0, 4},
-                                         {4, 4, 4},
-                                         {-4, 8, 4},
-                                         {8, 8, 4}}};
+  constexpr std::array<Vec3, 7> shifts{
+      {{0, 0, 0}, {0, 4, 0}, {4, 0, 0}, {0, -4, 0}, {4, 8, 0}, {-8, 4, 4}, {8, 8, 4}}};
   // Narrower strips would need edges that are much finer than any part of interest.
-  constexpr double enough_mm = 2.5;
+  constexpr double enough_mm = 1.6;
   DomainSurface best;
   double best_clearance = -1.0;
   for (const Vec3& shift : shifts) {

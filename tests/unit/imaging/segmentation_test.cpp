@@ -174,10 +174,10 @@ TEST_F(Segmentation, refuses_what_cannot_be_a_prone_breast_mri) {
 
   SyntheticTorso one = torso;
   one.left_breast = false;
-  EXPECT_THAT(refusal(one.isotropic(2.0)), HasSubstr("only one breast"));
+  EXPECT_THAT(refusal(one.isotropic(2.0)), HasSubstr("two breasts with a cleft"));
   SyntheticTorso none = one;
   none.right_breast = false;
-  EXPECT_THAT(refusal(none.isotropic(2.0)), HasSubstr("no breast"));
+  EXPECT_THAT(refusal(none.isotropic(2.0)), HasSubstr("two breasts with a cleft"));
 }
 
 TEST(LabelPresets, are_named) {

