@@ -75,7 +75,7 @@ void work(const Arguments& given, const Common& common, pipeline::Team& team) {
     pipeline::run_case(patient, options, progress, team, progress.stop_token());
   } catch (...) {  // noted in the diary, told by main
     if (journal) {
-      journal->ended(describe(std::current_exception()).line);
+      journal->ended(pipeline::without_place(patient, describe(std::current_exception()).line));
     }
     throw;
   }

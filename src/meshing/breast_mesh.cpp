@@ -69,13 +69,13 @@ void refine_to_target(Refinement& refinement, Sizing& sizing, int target, double
     }
     return factor * sizing.edge_mm(p);
   };
-  int count = 0;
   constexpr int tries = 3;
   for (int i = 0; i < tries; ++i) {
-    sizing.aim_at(target, count);
-    count = refinement.refine(size, surface_distance_part * sizing.far_mm());
+    sizing.aim_at(target);
+    const int count = refinement.refine(size, surface_distance_part * sizing.far_mm());
     ctx.at((i + 1.0) / tries, fmt::format("{} vertices, far edge {:.1f} mm, near edge {:.1f} mm",
                                           count, sizing.far_mm(), sizing.near_mm()));
+    sizing.learn(count);
     if (std::abs(count - target) < 0.1 * target) {
       return;
     }

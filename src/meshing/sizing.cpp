@@ -15,8 +15,10 @@ constexpr double thickness_part = 0.55;
 constexpr double thin_floor_mm = 5.0;
 /// Edges outside the focus may grow by this before the focus is made coarser too.
 constexpr double most_far_growth = 1.6;
+/// The focus may become coarser by this; beyond it the number of vertices must give way.
+constexpr double most_near_growth = 2.0;
 /// First guess of vertices per (edge length)^3; meshes of patients need 1.0 to 1.3.
-constexpr double usual_vertices_per_edge_volume = 1.15;
+constexpr double usual_vertices_per_cube = 1.15;
 
 }  // namespace
 
@@ -25,7 +27,7 @@ Sizing::Sizing(const Anatomy& anatomy, const MeshOptions& options)
       focus_(options.focus),
       asked_near_mm_(1e3 * options.near_edge_m),
       asked_far_mm_(1e3 * options.far_edge_m),
-      vertices_per_edge_volume_(usual_vertices_per_edge_volume) {
+      vertices_per_cube_(usual_vertices_per_cube) {
   const Image3<float>& skin = anatomy.outside_skin;
   constexpr int step = 2;
   volume_per_sample_mm3_ = skin.voxel_volume_mm3() * step * step * step;
@@ -74,27 +76,37 @@ void Sizing::set_scale(double scale) {
   thin_part_ = thickness_part * std::clamp(scale, 1.0, most_far_growth);
 }
 
-double Sizing::expected_vertices() const {
+double Sizing::edge_cubes() const {
   double sum = 0.0;
   for (const Sample& s : samples_) {
     const double h = edge_mm(s);
     sum += 1.0 / (h * h * h);
   }
-  return vertices_per_edge_volume_ * volume_per_sample_mm3_ * sum;
+  return volume_per_sample_mm3_ * sum;
 }
 
-void Sizing::aim_at(int target, int count) {
-  if (count > 0) {
-    vertices_per_edge_volume_ *= count / expected_vertices();
+void Sizing::learn(int count) {
+  const Known latest{edge_cubes(), static_cast<double>(count)};
+  vertices_per_cube_ = latest.count / latest.cubes;
+  other_vertices_ = 0.0;
+  if (known_ && std::abs(latest.cubes - known_->cubes) > 0.05 * known_->cubes) {
+    // The slope between two meshes shows what part of the vertices the sizes do not govern.
+    const double slope = (latest.count - known_->count) / (latest.cubes - known_->cubes);
+    vertices_per_cube_ = std::clamp(slope, 0.3 * vertices_per_cube_, vertices_per_cube_);
+    other_vertices_ = latest.count - vertices_per_cube_ * latest.cubes;
   }
+  known_ = latest;
+}
+
+void Sizing::aim_at(int target) {
   double low = 0.1;
-  double high = 10.0;
+  double high = most_far_growth * most_near_growth;
   for (int i = 0; i < 40; ++i) {
     const double middle = std::sqrt(low * high);
     set_scale(middle);
-    (expected_vertices() > target ? low : high) = middle;
+    (other_vertices_ + vertices_per_cube_ * edge_cubes() > target ? low : high) = middle;
   }
-  set_scale(std::sqrt(low * high));
+  set_scale(high);
 }
 
 }  // namespace sanatrix::meshing

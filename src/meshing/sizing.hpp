@@ -15,16 +15,18 @@ class Sizing {
 
   /// Wanted edge length.
   [[nodiscard]] double edge_mm(const Vec3& p_mm) const;
-  /// Chooses the scale of the edges so that about this many vertices are needed, when a mesh of
-  /// the present scale is known to need `count` of them (0: not yet known).
-  void aim_at(int target, int count);
+  /// Tells how many vertices a mesh of the present sizes has.
+  void learn(int count);
+  /// Chooses the scale of the edges so that about this many vertices are needed.
+  void aim_at(int target);
   /// Edge length in the focus; larger than asked for when the target leaves no other way.
   [[nodiscard]] double near_mm() const { return near_mm_; }
   [[nodiscard]] double far_mm() const { return far_mm_; }
 
  private:
   void set_scale(double scale);
-  [[nodiscard]] double expected_vertices() const;
+  /// Sum of volume / edge^3: the number of vertices is about linear in it.
+  [[nodiscard]] double edge_cubes() const;
 
   struct Sample {
     double thickness, beyond_focus;
@@ -39,7 +41,12 @@ class Sizing {
   double thin_part_ = 0.0;       ///< edge length / thickness of tissue where it is thin
   std::vector<Sample> samples_;  ///< spread evenly over the domain
   double volume_per_sample_mm3_ = 0.0;
-  double vertices_per_edge_volume_;
+  double vertices_per_cube_;
+  double other_vertices_ = 0.0;  ///< needed by the surface whatever the edge length
+  struct Known {
+    double cubes, count;
+  };
+  std::optional<Known> known_;  ///< of the latest mesh
 };
 
 }  // namespace sanatrix::meshing

@@ -220,6 +220,14 @@ void check_inputs(const Case& patient) {
   }
 }
 
+std::string without_place(const Case& patient, std::string text) {
+  const std::string place = (patient.folder / "").string();
+  for (auto at = text.find(place); at != std::string::npos; at = text.find(place, at)) {
+    text.erase(at, place.size());
+  }
+  return text;
+}
+
 CaseLock::CaseLock(const fs::path& folder) {
   const fs::path file = folder / ".lock";
   file_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);

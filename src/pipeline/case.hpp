@@ -52,6 +52,9 @@ void follow_plan(Case& patient);
 /// Error{Input} when a file in inputs/ is not what was given.
 void check_inputs(const Case& patient);
 
+/// The text with the case's place on this machine left out, for logs that travel with the case.
+std::string without_place(const Case& patient, std::string text);
+
 /// While it lives, no other process may work on the case. Freed by the kernel when we die.
 class CaseLock {
  public:

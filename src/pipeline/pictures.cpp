@@ -101,23 +101,30 @@ Vec3 wound_centre(const CaseResult& r, std::span<const Vec3> pose) {
   return (1.0 / total) * centre;
 }
 
-/// The operated half of the model, so that the wound fills its picture.
-TetMesh operated_half(const CaseResult& r) {
-  TetMesh half = r.model.mesh;
-  half.cells.clear();
-  half.region.clear();
+/// The operated side around the wound, so that the wound fills its picture.
+TetMesh surroundings(const CaseResult& r) {
+  constexpr double reach = 0.07;  // [m]
+  const std::span<const Vec3> pose = r.points(r.supine);
+  const Vec3 centre = wound_centre(r, pose);
+  TetMesh part = r.model.mesh;
+  part.cells.clear();
+  part.region.clear();
   for (std::size_t c = 0; c < r.model.mesh.cells.size(); ++c) {
-    if (r.model.side[c] == r.side() && r.model.in_breast[c]) {
-      half.cells.push_back(r.model.mesh.cells[c]);
-      half.region.push_back(r.model.mesh.region[c]);
+    const auto& cell = r.model.mesh.cells[c];
+    const bool near = std::ranges::all_of(cell, [&](int vertex) {
+      return norm(pose[static_cast<std::size_t>(vertex)] - centre) < reach;
+    });
+    if (near && r.model.side[c] == r.side()) {
+      part.cells.push_back(cell);
+      part.region.push_back(r.model.mesh.region[c]);
     }
   }
-  return half;
+  return part;
 }
 
 std::vector<const Frame*> snapshots(const CaseResult& r) {
   std::vector<const Frame*> chosen;
-  for (const double share : {0.0, 1.0 / 15, 2.0 / 15, 4.0 / 15, 8.0 / 15, 1.0}) {
+  for (const double share : {0.0, 1.0 / 15, 2.0 / 15, 4.0 / 15, 1.0}) {
     const double day = share * r.frames.back().t_day;
     const auto nearest = std::ranges::min_element(
         r.frames, {}, [&](const Frame& frame) { return std::abs(frame.t_day - day); });
@@ -129,7 +136,7 @@ std::vector<const Frame*> snapshots(const CaseResult& r) {
 }
 
 void write_species(const CaseResult& r, const fs::path& file) {
-  const TetMesh half = operated_half(r);
+  const TetMesh part = surroundings(r);
   const std::vector<const Frame*> frames = snapshots(r);
   std::vector<render::CutPanel> panels;
   for (std::size_t s = 0; s < r.species.size(); ++s) {
@@ -139,7 +146,7 @@ void write_species(const CaseResult& r, const fs::path& file) {
       for (std::size_t i = s; i < frame->species.size(); i += r.species.size()) {
         values.push_back(frame->species[i]);
       }
-      panels.push_back({.mesh = &half,
+      panels.push_back({.mesh = &part,
                         .points = frame->points,
                         .scalar = std::move(values),
                         .plane_point = wound_centre(r, frame->points),

@@ -176,7 +176,7 @@ void record_failure(const Case& patient, Stage stage, const std::string& reason)
              json{{"stage", info(stage).name},
                   {"status", "failed"},
                   {"fingerprint", recipe(patient, stage).fingerprint()},
-                  {"reason", reason}}
+                  {"reason", without_place(patient, reason)}}
                      .dump(2) +
                  "\n");
 }
