@@ -49,7 +49,7 @@ void print_result(const pipeline::Case& patient, const Common& common) {
   }
 }
 
-void work(const Arguments& given, const Common& common, pipeline::Team& team) {
+pipeline::RunOptions run_options(const Arguments& given) {
   pipeline::RunOptions options;
   if (!given.from.empty()) {
     options.from = pipeline::parse_stage(given.from);
@@ -57,6 +57,15 @@ void work(const Arguments& given, const Common& common, pipeline::Team& team) {
   if (!given.to.empty()) {
     options.to = pipeline::parse_stage(given.to);
   }
+  if (options.from && options.to && *options.from > *options.to) {
+    throw Error(Fault::Usage, fmt::format("--from {} comes after --to {}", given.from, given.to),
+                "the order is: " + stage_names());
+  }
+  return options;
+}
+
+void work(const Arguments& given, const Common& common, pipeline::Team& team) {
+  const pipeline::RunOptions options = run_options(given);
   pipeline::Case patient = pipeline::open_case(given.folder);
   std::optional<pipeline::CaseLock> lock;
   std::optional<Journal> journal;

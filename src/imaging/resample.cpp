@@ -98,15 +98,6 @@ std::array<bool, 3> thin_axes(const LabelImage& labels) {
   return {h[0] < 1.5 * finest, h[1] < 1.5 * finest, h[2] < 1.5 * finest};
 }
 
-bool inside_source(const LabelImage& source, const Vec3& index) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (index[a] < -0.5 || index[a] > source.size[a] - 0.5) {
-      return false;
-    }
-  }
-  return true;
-}
-
 /// The label among those that `belongs` with the greatest weight, or `otherwise`.
 unsigned char vote(const LabelImage& labels, const Neighbourhood& n, bool (*belongs)(unsigned char),
                    Label otherwise) {
@@ -156,9 +147,7 @@ TissueGrid resample_to_lps(const LabelImage& image, const LabelTable& table, dou
     for (int j = 0; j < result.labels.size[1]; ++j) {
       for (int i = 0; i < result.labels.size[0]; ++i, ++out) {
         const Vec3 at = source.labels.continuous_index(result.labels.position_mm(i, j, k));
-        if (!inside_source(source.labels, at)) {
-          continue;
-        }
+        // Beyond an oblique border the border goes on: cut tissue must not look like skin.
         const Neighbourhood n = neighbourhood(source.labels, at);
         double skin = 0.0;
         double wall = 0.0;

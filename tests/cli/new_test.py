@@ -55,6 +55,7 @@ class New(CliTest):
         self.refused(1, "run", case, "--set", "mesh.colour=red", says=["mesh.target_vertices"])
         self.refused(1, "run", case, "--set", "nonsense")
         self.refused(1, "run", case, "--to", "moon", says=["upright"])
+        self.refused(1, "run", case, "--from", "heal", "--to", "mesh", says=["order"])
         self.refused(2, "run", case, "--set", "heal.days=never")
         self.refused(2, "run", case, "--set", "heal.days=-1")
         self.refused(2, "run", case, "--set", "heal.preset=wishful", says=["vavourakis2016"])
