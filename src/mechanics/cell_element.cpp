@@ -89,17 +89,20 @@ double stabilising_shear(const Tissue& t) {
 
 /// The share gamma of the bulk modulus that every cell answers with on its own, beside the pressure
 /// field (grad-div stabilisation): the field conserves volume only around vertices, and single
-/// cells at a held edge would collapse. Small against kappa, so that nothing locks.
+/// cells at a held edge would collapse. Small against kappa, so that nothing locks. Taylor-Hood
+/// needs none.
+template <std::size_t Nodes>
 double own_bulk(const Tissue& t) {
-  return std::min(2.0 * stabilising_shear(t), 0.02 * t.kappa);
+  return Nodes == 4 ? std::min(2.0 * stabilising_shear(t), 0.02 * t.kappa) : 0.0;
 }
 
 /// gamma/2 (J - 1/J) and its derivative: gamma (J - 1) near rest, without bound towards J = 0.
 struct OwnPressure {
   double p, dp_dJ;
 };
+template <std::size_t Nodes>
 OwnPressure own_pressure(const Tissue& t, double J) {
-  const double half = 0.5 * own_bulk(t);
+  const double half = 0.5 * own_bulk<Nodes>(t);
   return {half * (J - 1.0 / J), half * (1.0 + 1.0 / (J * J))};
 }
 
@@ -110,7 +113,7 @@ double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Node
   if (!(J > 0.0)) {
     return J;
   }
-  const OwnPressure own = own_pressure(in.tissue, J);
+  const OwnPressure own = own_pressure<Nodes>(in.tissue, J);
   const StressPoint s = stress(in.tissue, at.H, at.p + own.p);
   const double w = at.volume;
   const Mat3 cofactor = {J * s.F_inv_t[0], J * s.F_inv_t[1], J * s.F_inv_t[2]};
@@ -142,11 +145,10 @@ double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Node
 }
 
 /// d sigma_ij / d f_Kl for sigma = P F^T / J, F = f^-1, index [3 i + j][3 K + l].
-Tangent9 inverse_tangent(const Tissue& tissue, const Mat3& F, double p, const StressPoint& s,
-                         const Mat3& sigma) {
+Tangent9 inverse_tangent(const Tissue& tissue, const Mat3& F, const OwnPressure& pressure,
+                         const StressPoint& s, const Mat3& sigma) {
   Tangent9 A{};
-  const OwnPressure own = own_pressure(tissue, s.J);
-  stress_tangent(tissue, F, p + own.p, own.dp_dJ, s, A);
+  stress_tangent(tissue, F, pressure.p, pressure.dp_dJ, s, A);
   const double j = 1.0 / s.J;
   Tangent9 D{};
   for (std::size_t K = 0; K < 3; ++K) {
@@ -185,7 +187,8 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
     return j;
   }
   const Mat3 F = inverse(at.H);
-  const StressPoint s = stress(in.tissue, F, at.p + own_pressure(in.tissue, 1.0 / j).p);
+  const OwnPressure own = own_pressure<Nodes>(in.tissue, 1.0 / j);
+  const StressPoint s = stress(in.tissue, F, at.p + own.p);
   Mat3 sigma{};
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -206,7 +209,7 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
   if (!out.wants_matrix()) {
     return s.J;
   }
-  add_stiffness(at, w, inverse_tangent(in.tissue, F, at.p, s, sigma), out);
+  add_stiffness(at, w, inverse_tangent(in.tissue, F, {at.p + own.p, own.dp_dJ}, s, sigma), out);
   for (std::size_t b = 0; b < Nodes; ++b) {
     for (std::size_t K = 0; K < 3; ++K) {
       const Vec3 column{F[0][K], F[1][K], F[2][K]};
@@ -245,7 +248,7 @@ PressureMass affine_pressure_block(const Tissue& tissue, double V) {
   for (std::size_t a = 0; a < 4; ++a) {
     for (std::size_t b = 0; b < 4; ++b) {
       const double mass = V / 20.0 * (a == b ? 2.0 : 1.0);
-      block.M[a][b] = mass / (tissue.kappa - own_bulk(tissue)) + tau * (mass - V / 16.0);
+      block.M[a][b] = mass / (tissue.kappa - own_bulk<4>(tissue)) + tau * (mass - V / 16.0);
     }
   }
   return block;
@@ -316,7 +319,7 @@ double cell_element(const CellInput& in, std::span<double> residual, std::span<d
     } else {
       for (std::size_t a = 0; a < 4; ++a) {
         for (std::size_t b = 0; b < 4; ++b) {
-          block.M[a][b] = at.volume * at.Np[a] * at.Np[b] / (in.tissue.kappa - own_bulk(in.tissue));
+          block.M[a][b] = at.volume * at.Np[a] * at.Np[b] / in.tissue.kappa;
         }
       }
     }
