@@ -1,5 +1,7 @@
 #include "recovery/wound_shape.hpp"
 
+#include <algorithm>
+
 namespace sanatrix::recovery {
 
 WoundShape::WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction,
@@ -14,17 +16,17 @@ WoundShape::WoundShape(const TetMesh& mesh, std::span<const double> wound_fracti
   }
   wound.points = mesh.points;
   wall_ = boundary_of(wound);
-  const std::vector<double> volumes = cell_volumes(mesh, reference_points);
-  for (std::size_t c = 0; c < volumes.size(); ++c) {
-    healthy_share_ += fraction_[c] > 0.0 ? (1.0 - fraction_[c]) * volumes[c] : 0.0;
+  healthy_share_ = cell_volumes(mesh, reference_points);
+  for (std::size_t c = 0; c < fraction_.size(); ++c) {
+    healthy_share_[c] *= 1.0 - fraction_[c];
   }
 }
 
 double WoundShape::volume(std::span<const Vec3> points) const {
   const std::vector<double> volumes = cell_volumes(*mesh_, points);
-  double sum = -healthy_share_;
+  double sum = 0.0;
   for (std::size_t c = 0; c < volumes.size(); ++c) {
-    sum += fraction_[c] > 0.0 ? volumes[c] : 0.0;
+    sum += fraction_[c] > 0.0 ? std::max(volumes[c] - healthy_share_[c], 0.0) : 0.0;
   }
   return sum;
 }

@@ -24,7 +24,7 @@ class WoundShape {
  private:
   const TetMesh* mesh_;
   std::vector<double> fraction_;
-  double healthy_share_ = 0.0;            ///< of partly wounded cells [m3]
+  std::vector<double> healthy_share_;     ///< per cell, reference volume [m3]
   std::vector<std::array<int, 3>> wall_;  ///< oriented out of the wound
 };
 
