@@ -51,6 +51,9 @@ struct SolveReport {
   double seconds_assembly = 0.0, seconds_linear = 0.0, seconds_total = 0.0;
 };
 
+/// Adds counts and seconds; keeps the smaller min_jacobian and the last residual and verdict.
+void accumulate(SolveReport& sum, const SolveReport& next);
+
 /// One body, solved many times: keeps distribution, matrix pattern and the last factorisation.
 /// All calls are collective over MPI_COMM_WORLD; results are complete on every rank.
 class Solver {

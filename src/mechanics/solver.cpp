@@ -29,6 +29,19 @@ std::vector<double> minus(const std::vector<double>& a, const std::vector<double
 
 }  // namespace
 
+void accumulate(SolveReport& sum, const SolveReport& next) {
+  sum.converged = next.converged;
+  sum.newton_iterations += next.newton_iterations;
+  sum.krylov_iterations += next.krylov_iterations;
+  sum.factorisations += next.factorisations;
+  sum.load_steps += next.load_steps;
+  sum.seconds_assembly += next.seconds_assembly;
+  sum.seconds_linear += next.seconds_linear;
+  sum.seconds_total += next.seconds_total;
+  sum.last_residual = next.last_residual;
+  sum.min_jacobian = std::min(sum.min_jacobian, next.min_jacobian);
+}
+
 struct Solver::Impl {
   DiscreteBody discrete;
   SolveOptions options;

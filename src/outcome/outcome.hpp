@@ -21,7 +21,7 @@ SurfaceDistance surface_distance(const TriMesh& from, const TriMesh& to);
 
 struct TissueVolumes {  ///< of one side, in cm3
   double breast_cm3, adipose_cm3, fibroglandular_cm3;
-  double model_cm3;     ///< all of the side's half of the model, flank and sternum included
+  double model_cm3;  ///< all of the side's half of the model, flank and sternum included
 };
 /// [0] right, [1] left.
 std::array<TissueVolumes, 2> tissue_volumes(const TetMesh& mesh, std::span<const Vec3> points,
@@ -30,10 +30,11 @@ std::array<TissueVolumes, 2> tissue_volumes(const TetMesh& mesh, std::span<const
                                             const std::vector<bool>& in_breast);
 /// Displacement of skin vertices between two poses. [mm]
 struct SkinDisplacement {
-  double max_mm, mean_mm;      ///< area-weighted mean over the chosen skin
+  double max_mm, mean_mm;  ///< area-weighted mean over the chosen skin
   int max_vertex;
 };
 SkinDisplacement skin_displacement(const TetMesh& mesh, std::span<const Vec3> before,
-                                   std::span<const Vec3> after, const std::vector<bool>& vertex_used);
+                                   std::span<const Vec3> after,
+                                   const std::vector<bool>& vertex_used);
 
 }  // namespace sanatrix::outcome

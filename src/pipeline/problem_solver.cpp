@@ -41,18 +41,6 @@ double total_volume(const TetMesh& mesh, std::span<const Vec3> points) {
   return std::accumulate(volumes.begin(), volumes.end(), 0.0);
 }
 
-void add(mechanics::SolveReport& sum, const mechanics::SolveReport& more) {
-  sum.newton_iterations += more.newton_iterations;
-  sum.krylov_iterations += more.krylov_iterations;
-  sum.factorisations += more.factorisations;
-  sum.load_steps += more.load_steps;
-  sum.last_residual = more.last_residual;
-  sum.min_jacobian = std::min(sum.min_jacobian, more.min_jacobian);
-  sum.seconds_assembly += more.seconds_assembly;
-  sum.seconds_linear += more.seconds_linear;
-  sum.seconds_total += more.seconds_total;
-}
-
 Solution solve_healing(const SolveProblem& p, mechanics::Solver& solver,
                        const std::vector<Vec3>& nodes, const Context& ctx) {
   Solution s;
@@ -78,7 +66,7 @@ Solution solve_healing(const SolveProblem& p, mechanics::Solver& solver,
       problem, {}, [](const recovery::Checkpoint&) {},
       [](double, std::span<const double>, const mechanics::Shape&) {}, ctx.part(0.1, 1.0));
   s.shape = s.recovery->healed;
-  add(s.report, s.recovery->totals);
+  mechanics::accumulate(s.report, s.recovery->totals);
   s.jacobian = solver.jacobians(nodes, s.shape.nodes);
   for (const recovery::HistoryRow& row : s.recovery->history) {
     s.report.min_jacobian = std::min(s.report.min_jacobian, row.min_jacobian);

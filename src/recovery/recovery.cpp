@@ -17,19 +17,6 @@ double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-void add(mechanics::SolveReport& totals, const mechanics::SolveReport& r) {
-  totals.converged = r.converged;
-  totals.newton_iterations += r.newton_iterations;
-  totals.krylov_iterations += r.krylov_iterations;
-  totals.factorisations += r.factorisations;
-  totals.load_steps += r.load_steps;
-  totals.seconds_assembly += r.seconds_assembly;
-  totals.seconds_linear += r.seconds_linear;
-  totals.seconds_total += r.seconds_total;
-  totals.last_residual = r.last_residual;
-  totals.min_jacobian = std::min(totals.min_jacobian, r.min_jacobian);
-}
-
 /// What one mechanics solve tells the history.
 struct Measured {
   double eta_mean, volume_ratio, max_displacement_mm, wall_displacement_mm, min_jacobian;
@@ -88,7 +75,7 @@ void Recovery::solve_mechanics(bool traction, const Context& ctx) {
   const double start = now_s();
   shape_ = solver_.forward(problem_.reference_nodes, problem_.gravity, &shape_, ctx);
   result_.seconds_mechanics += now_s() - start;
-  add(result_.totals, solver_.last_report());
+  mechanics::accumulate(result_.totals, solver_.last_report());
 }
 
 Measured Recovery::measure(double eta_mean) const {

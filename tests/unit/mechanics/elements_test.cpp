@@ -17,8 +17,8 @@ using Nodes = std::vector<Vec3>;
 
 Nodes with_midpoints(Nodes vertices) {
   for (const auto& [a, b] : fem::EdgeTable::local) {
-    vertices.push_back(0.5 * (vertices[static_cast<std::size_t>(a)] +
-                              vertices[static_cast<std::size_t>(b)]));
+    vertices.push_back(
+        0.5 * (vertices[static_cast<std::size_t>(a)] + vertices[static_cast<std::size_t>(b)]));
   }
   return vertices;
 }
@@ -99,10 +99,18 @@ void expect_consistent_cell(Unknown unknown) {
   EXPECT_LT(e.pp, 2e-6);
 }
 
-TEST(ACell, OfP1P1HasAConsistentForwardTangent) { expect_consistent_cell<4>(Unknown::Deformed); }
-TEST(ACell, OfP1P1HasAConsistentInverseTangent) { expect_consistent_cell<4>(Unknown::Reference); }
-TEST(ACell, OfP2P1HasAConsistentForwardTangent) { expect_consistent_cell<10>(Unknown::Deformed); }
-TEST(ACell, OfP2P1HasAConsistentInverseTangent) { expect_consistent_cell<10>(Unknown::Reference); }
+TEST(ACell, OfP1P1HasAConsistentForwardTangent) {
+  expect_consistent_cell<4>(Unknown::Deformed);
+}
+TEST(ACell, OfP1P1HasAConsistentInverseTangent) {
+  expect_consistent_cell<4>(Unknown::Reference);
+}
+TEST(ACell, OfP2P1HasAConsistentForwardTangent) {
+  expect_consistent_cell<10>(Unknown::Deformed);
+}
+TEST(ACell, OfP2P1HasAConsistentInverseTangent) {
+  expect_consistent_cell<10>(Unknown::Reference);
+}
 
 TEST(ACell, GivesTheSameResidualWhicheverShapeIsCalledKnown) {
   Nodes X = {{0, 0, 0}, {0.011, 0.001, 0}, {0.002, 0.009, 0.001}, {0.001, 0.002, 0.012}};
@@ -233,7 +241,7 @@ TEST(TheMembrane, AgreesWithHomogeneousClosedForms) {
   EXPECT_NEAR(cauchy(1.1, 1.1), 22.4e3, 50.0);
   EXPECT_NEAR(cauchy(1.2, 1.0 / std::sqrt(1.2)), 31.1e3, 50.0);
   EXPECT_NEAR(cauchy(1.2, 1.2), 207.5e3, 50.0);
-  EXPECT_EQ(cauchy(0.95, 0.9), 0.0);                     // slack
+  EXPECT_EQ(cauchy(0.95, 0.9), 0.0);                      // slack
   EXPECT_NEAR(cauchy(1.1, 0.7), cauchy(1.1, 0.6), 1e-6);  // wrinkled: the width does not matter
 }
 
