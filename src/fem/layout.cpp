@@ -67,39 +67,21 @@ EdgeTable make_edges(std::span<const std::array<int, 4>> cells) {
   return table;
 }
 
-Layout make_layout(std::span<const Vec3> node_positions, std::vector<int> node_dofs) {
+Layout make_layout(std::span<const Vec3> node_positions) {
   std::vector<int> order(node_positions.size());
   std::iota(order.begin(), order.end(), 0);
   bisect(node_positions, order);
-
   Layout layout;
-  layout.node_dofs = std::move(node_dofs);
-  layout.first_dof.resize(order.size());
-  layout.dofs = std::accumulate(layout.node_dofs.begin(), layout.node_dofs.end(), 0);
-  // A rank owns the nodes whose first unknown lies in its equal share of all unknowns.
-  const long share_of = layout.dofs;
-  const int mine = rank();
-  const int all = ranks();
-  int next = 0;
-  int begin = layout.dofs;
-  int end = 0;
-  for (const int n : order) {
-    const auto node = static_cast<std::size_t>(n);
-    layout.first_dof[node] = next;
-    const int owner = static_cast<int>(static_cast<long>(next) * all / share_of);
-    const int after = next + layout.node_dofs[node];
-    if (owner == mine) {
-      begin = std::min(begin, next);
-      end = after;
-    }
-    next = after;
+  layout.total = static_cast<int>(order.size());
+  layout.global.resize(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    layout.global[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
   }
-  layout.own_begin = std::min(begin, end);
-  layout.own_end = end;
-  if (begin > end) {  // a rank without nodes: its empty range starts where its share would
-    const long start = (static_cast<long>(mine) * share_of + all - 1) / all;
-    layout.own_begin = layout.own_end = static_cast<int>(start);
-  }
+  const auto share = [&](long r) {
+    return static_cast<int>(r * layout.total / ranks());
+  };
+  layout.own_begin = share(rank());
+  layout.own_end = share(rank() + 1);
   return layout;
 }
 

@@ -1,4 +1,4 @@
-// Which unknowns live at which node, and which process owns them. Identical on every rank.
+// Nodes of a discretisation: mid-edge nodes, global numbers, and which process owns which.
 #pragma once
 
 #include <array>
@@ -20,15 +20,24 @@ struct EdgeTable {
 };
 EdgeTable make_edges(std::span<const std::array<int, 4>> cells);
 
-/// Numbering of unknowns: nodes are ordered along a recursive bisection of space, so that every
-/// rank owns one contiguous, compact range and neighbours stay close in memory.
+/// Unknowns per node in every linear system: three displacements and a pressure. A node without a
+/// pressure (mid-edge) holds it fixed.
+constexpr int block = 4;
+
+/// Global numbering of the nodes a process works with. Nodes are ordered along a recursive
+/// bisection of space, so that every rank owns one contiguous, compact range and neighbours stay
+/// close in memory.
 struct Layout {
-  std::vector<int> first_dof;      ///< per node: its first unknown; the others follow
-  std::vector<int> node_dofs;      ///< per node: number of unknowns
-  int dofs = 0;                    ///< in all
-  int own_begin = 0, own_end = 0;  ///< range of this rank
-  [[nodiscard]] bool owns(int dof) const { return dof >= own_begin && dof < own_end; }
+  std::vector<int> global;         ///< per node
+  int own_begin = 0, own_end = 0;  ///< global range of this rank
+  int total = 0;                   ///< nodes of all ranks
+  [[nodiscard]] bool owns(int node) const {
+    const int g = global[static_cast<std::size_t>(node)];
+    return g >= own_begin && g < own_end;
+  }
+  [[nodiscard]] int own() const { return own_end - own_begin; }
 };
-Layout make_layout(std::span<const Vec3> node_positions, std::vector<int> node_dofs);
+/// All nodes known to all ranks, owned in equal shares.
+Layout make_layout(std::span<const Vec3> node_positions);
 
 }  // namespace sanatrix::fem

@@ -4,229 +4,167 @@
 
 #include <petscksp.h>
 
-#include "core/error.hpp"
-#include "fem/session.hpp"
+#include "fem/block_matrix.hpp"
+#include "fem/coarse_space.hpp"
+#include "fem/petsc_check.hpp"
 
 namespace sanatrix::fem {
 
 namespace {
 
-void check(PetscErrorCode code, const char* doing) {
-  if (code != 0) {
-    const char* text = nullptr;
-    PetscErrorMessage(code, &text, nullptr);
-    throw Error(Fault::Internal, fmt::format("PETSc failed while {}: {}", doing,
-                                             text != nullptr ? text : "unknown error"));
-  }
-}
-
 /// Krylov iterations after which a kept factorisation is no longer worth keeping.
 constexpr int slow_solve = 14;
 constexpr int max_direct_iterations = 60;
-constexpr int max_block_iterations = 400;
+constexpr int max_iterations = 200;
 /// Below this many unknowns a factorisation costs next to nothing.
 constexpr int small_system = 3000;
 
 }  // namespace
 
-void ElementList::add(std::span<const int> element_dofs) {
-  dofs.insert(dofs.end(), element_dofs.begin(), element_dofs.end());
-  offset.push_back(static_cast<int>(dofs.size()));
+void ElementList::add(std::span<const int> element_nodes) {
+  nodes.insert(nodes.end(), element_nodes.begin(), element_nodes.end());
+  offset.push_back(static_cast<int>(nodes.size()));
 }
 
 struct SparseSystem::Impl {
-  std::vector<int> offset;
-  std::vector<std::size_t> matrix_offset;
-  std::vector<double> matrix_values, vector_values;
-  std::vector<bool> is_pressure;
-  std::size_t fixed_owned = 0;
-  int dofs = 0;
-  bool factors_stale = true;
-  Symmetry symmetry = Symmetry::General;
-  Mat matrix = nullptr, schur = nullptr;
-  Vec sum = nullptr, rhs = nullptr, solution = nullptr, everywhere = nullptr;
+  Layout layout;
+  std::vector<int> offset, nodes;
+  std::vector<std::uint8_t> fixed;
+  std::vector<std::size_t> node_of_row;
+  std::vector<int> row_of_node;
+  std::vector<double> sum, pressure_mass;
+  BlockMatrix matrix;
+  CoarseSpace coarse;
+  bool factors_stale = true, levels_stale = true;
+  Mat conditioner = nullptr;  ///< the matrix with a pressure mass, where one is given
+  Vec rhs = nullptr, solution = nullptr, here = nullptr;
   VecScatter gather = nullptr;
-  KSP block = nullptr, direct = nullptr;
-  IS displacement_set = nullptr, pressure_set = nullptr;
+  KSP two_level = nullptr, direct = nullptr;
 
-  ~Impl() {
-    KSPDestroy(&block);
-    KSPDestroy(&direct);
-    MatDestroy(&matrix);
-    MatDestroy(&schur);
-    VecDestroy(&sum);
-    VecDestroy(&rhs);
-    VecDestroy(&solution);
-    VecDestroy(&everywhere);
-    VecScatterDestroy(&gather);
-    ISDestroy(&displacement_set);
-    ISDestroy(&pressure_set);
-  }
+  Impl(const Layout& l, const ElementList& elements, std::span<const std::uint8_t> held,
+       std::span<const Vec3> positions);
+  ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
-  void make_patterns(const Layout& layout, const ElementList& elements, std::span<const int> fixed);
-  void make_block_solver(const Layout& layout);
+  void make_vectors();
+  void make_two_level_solver();
   void make_direct_solver();
-  void update_schur();
-  void copy_in(std::span<const double> full, Vec to) const;
-  void copy_out(Vec from, std::vector<double>& full) const;
-  bool run(KSP solver, double relative_tolerance, int& iterations) const;
-  bool solve_by_blocks(double relative_tolerance, LinearReport& report);
+  void copy_in(std::span<const double> from, Vec to) const;
+  void copy_out(Vec from, std::vector<double>& to) const;
+  bool run(KSP solver, double relative_tolerance, int limit, int& iterations) const;
+  void prepare_levels(bool fresh);
+  bool solve_by_levels(double relative_tolerance, LinearReport& report);
   void solve_directly(double relative_tolerance, LinearReport& report);
+  [[nodiscard]] Mat conditioning_matrix();
 };
 
-void SparseSystem::Impl::make_patterns(const Layout& layout, const ElementList& elements,
-                                       std::span<const int> fixed) {
-  offset = elements.offset;
-  matrix_offset.assign(1, 0);
-  std::vector<PetscInt> rows;
-  std::vector<PetscInt> columns;
-  for (int e = 0; e < elements.size(); ++e) {
-    const auto begin = static_cast<std::size_t>(offset[static_cast<std::size_t>(e)]);
-    const auto end = static_cast<std::size_t>(offset[static_cast<std::size_t>(e) + 1]);
-    for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t j = begin; j < end; ++j) {
-        const bool held = elements.dofs[i] < 0 || elements.dofs[j] < 0;
-        rows.push_back(held ? -1 : elements.dofs[i]);
-        columns.push_back(held ? -1 : elements.dofs[j]);
-      }
-    }
-    matrix_offset.push_back(rows.size());
-  }
-  for (const int d : fixed) {
-    if (layout.owns(d)) {
-      rows.push_back(d);
-      columns.push_back(d);
-      ++fixed_owned;
+SparseSystem::Impl::Impl(const Layout& l, const ElementList& elements,
+                         std::span<const std::uint8_t> held, std::span<const Vec3> positions)
+    : layout(l),
+      offset(elements.offset),
+      nodes(elements.nodes),
+      fixed(held.begin(), held.end()),
+      node_of_row(static_cast<std::size_t>(l.own())),
+      row_of_node(l.global.size(), -1),
+      sum(block * l.global.size()),
+      matrix(layout, elements, held),
+      coarse(layout, matrix, held, positions) {
+  for (std::size_t n = 0; n < l.global.size(); ++n) {
+    if (l.owns(static_cast<int>(n))) {
+      row_of_node[n] = l.global[n] - l.own_begin;
+      node_of_row[static_cast<std::size_t>(row_of_node[n])] = n;
     }
   }
-  matrix_values.assign(rows.size(), 0.0);
-  std::fill(matrix_values.end() - static_cast<std::ptrdiff_t>(fixed_owned), matrix_values.end(),
-            1.0);
-  vector_values.assign(elements.dofs.size(), 0.0);
+  make_vectors();
+  make_two_level_solver();
+}
 
-  const PetscInt own = layout.own_end - layout.own_begin;
-  check(MatCreate(PETSC_COMM_WORLD, &matrix), "creating the matrix");
-  check(MatSetSizes(matrix, own, own, layout.dofs, layout.dofs), "sizing the matrix");
-  check(MatSetType(matrix, MATAIJ), "typing the matrix");
-  check(MatSetPreallocationCOO(matrix, static_cast<PetscCount>(rows.size()), rows.data(),
-                               columns.data()),
-        "laying out the matrix");
-  check(VecCreateMPI(PETSC_COMM_WORLD, own, layout.dofs, &sum), "creating the residual");
-  check(VecSetOption(sum, VEC_IGNORE_NEGATIVE_INDICES, PETSC_TRUE), "ignoring fixed unknowns");
-  std::vector<PetscInt> entries(elements.dofs.begin(), elements.dofs.end());
-  check(VecSetPreallocationCOO(sum, static_cast<PetscCount>(entries.size()), entries.data()),
-        "laying out the residual");
-  check(VecCreateMPI(PETSC_COMM_WORLD, own, layout.dofs, &rhs), "creating the right-hand side");
-  check(VecDuplicate(rhs, &solution), "creating the solution");
-  check(VecScatterCreateToAll(rhs, &gather, &everywhere), "creating the gather");
+SparseSystem::Impl::~Impl() {
+  KSPDestroy(&two_level);
+  KSPDestroy(&direct);
+  MatDestroy(&conditioner);
+  VecDestroy(&rhs);
+  VecDestroy(&solution);
+  VecDestroy(&here);
+  VecScatterDestroy(&gather);
+}
+
+void SparseSystem::Impl::make_vectors() {
+  check(MatCreateVecs(matrix.petsc(), &solution, &rhs), "creating vectors");
+  const auto count = static_cast<PetscInt>(layout.global.size());
+  const std::vector<PetscInt> globals(layout.global.begin(), layout.global.end());
+  check(VecCreateSeq(PETSC_COMM_SELF, block * count, &here), "creating vectors");
+  IS wanted = nullptr;
+  check(ISCreateBlock(PETSC_COMM_SELF, block, count, globals.data(), PETSC_COPY_VALUES, &wanted),
+        "indexing the nodes");
+  check(VecScatterCreate(solution, wanted, here, nullptr, &gather), "creating the gather");
+  check(ISDestroy(&wanted), "indexing the nodes");
+}
+
+/// V-cycle of two levels. Smoother: incomplete factors of each rank's node blocks; coarse level:
+/// MUMPS. One level of fill saves a third of the iterations and costs more than that.
+void SparseSystem::Impl::make_two_level_solver() {
+  check(KSPCreate(PETSC_COMM_WORLD, &two_level), "creating the linear solver");
+  check(KSPSetType(two_level, KSPGMRES), "choosing GMRES");
+  check(KSPSetPCSide(two_level, PC_RIGHT), "preconditioning from the right");
+  check(KSPGMRESSetRestart(two_level, max_iterations), "setting the restart");
+  check(KSPSetOptionsPrefix(two_level, "sanatrix_"), "naming the solver");
+  PC pc = nullptr;
+  check(KSPGetPC(two_level, &pc), "getting the preconditioner");
+  check(PCSetType(pc, PCMG), "choosing two levels");
+  check(PCMGSetLevels(pc, 2, nullptr), "choosing two levels");
+  check(PCMGSetGalerkin(pc, PC_MG_GALERKIN_NONE), "choosing two levels");
+  check(PCMGSetInterpolation(pc, 1, coarse.interpolation()), "giving the interpolation");
+  for (const auto& [key, value] : {std::pair{"-sanatrix_mg_levels_ksp_type", "richardson"},
+                                   {"-sanatrix_mg_levels_ksp_max_it", "1"},
+                                   {"-sanatrix_mg_levels_pc_type", "bjacobi"},
+                                   {"-sanatrix_mg_levels_sub_pc_type", "ilu"},
+                                   {"-sanatrix_mg_levels_sub_pc_factor_levels", "0"},
+                                   {"-sanatrix_mg_levels_sub_pc_factor_mat_ordering_type", "rcm"},
+                                   {"-sanatrix_mg_coarse_ksp_type", "preonly"},
+                                   {"-sanatrix_mg_coarse_pc_type", "lu"},
+                                   {"-sanatrix_mg_coarse_pc_factor_mat_solver_type", "mumps"}}) {
+    PetscBool given = PETSC_FALSE;
+    check(PetscOptionsHasName(nullptr, nullptr, key, &given), "reading options");
+    if (given == PETSC_FALSE) {
+      check(PetscOptionsSetValue(nullptr, key, value), "setting options");
+    }
+  }
+  check(KSPSetFromOptions(two_level), "reading options");
 }
 
 void SparseSystem::Impl::make_direct_solver() {
   check(KSPCreate(PETSC_COMM_WORLD, &direct), "creating the direct solver");
-  check(KSPSetOperators(direct, matrix, matrix), "setting the matrix");
   check(KSPSetType(direct, KSPFGMRES), "choosing FGMRES");
   PC pc = nullptr;
   check(KSPGetPC(direct, &pc), "getting the preconditioner");
-  check(PCSetType(pc, symmetry == Symmetry::Symmetric ? PCCHOLESKY : PCLU), "choosing MUMPS");
+  check(PCSetType(pc, PCLU), "choosing MUMPS");
   check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS), "choosing MUMPS");
 }
 
-/// Upper block factorisation: incomplete factors of the displacement block, and for the Schur
-/// complement the diagonal of  A11 - A10 diag(A00)^-1 A01.
-void SparseSystem::Impl::make_block_solver(const Layout& layout) {
-  check(KSPCreate(PETSC_COMM_WORLD, &block), "creating the linear solver");
-  check(KSPSetOperators(block, matrix, matrix), "setting the matrix");
-  check(KSPSetType(block, KSPGMRES), "choosing GMRES");
-  check(KSPSetPCSide(block, PC_RIGHT), "preconditioning from the right");
-  check(KSPGMRESSetRestart(block, max_block_iterations), "setting the restart");
-  PC pc = nullptr;
-  check(KSPGetPC(block, &pc), "getting the preconditioner");
-  std::vector<PetscInt> u;
-  std::vector<PetscInt> p;
-  for (int d = layout.own_begin; d < layout.own_end; ++d) {
-    (is_pressure[static_cast<std::size_t>(d)] ? p : u).push_back(d);
-  }
-  check(ISCreateGeneral(PETSC_COMM_WORLD, static_cast<PetscInt>(u.size()), u.data(),
-                        PETSC_COPY_VALUES, &displacement_set),
-        "indexing displacements");
-  check(ISCreateGeneral(PETSC_COMM_WORLD, static_cast<PetscInt>(p.size()), p.data(),
-                        PETSC_COPY_VALUES, &pressure_set),
-        "indexing pressures");
-  const auto rows = static_cast<PetscInt>(p.size());
-  check(MatCreateAIJ(PETSC_COMM_WORLD, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, 1, nullptr, 0,
-                     nullptr, &schur),
-        "creating the Schur diagonal");
-  check(PCSetType(pc, PCFIELDSPLIT), "choosing block preconditioning");
-  check(PCFieldSplitSetIS(pc, "u", displacement_set), "naming the blocks");
-  check(PCFieldSplitSetIS(pc, "p", pressure_set), "naming the blocks");
-  check(PCFieldSplitSetType(pc, PC_COMPOSITE_SCHUR), "choosing the Schur complement");
-  check(PCFieldSplitSetSchurFactType(pc, PC_FIELDSPLIT_SCHUR_FACT_UPPER), "choosing its form");
-  check(PCFieldSplitSetSchurPre(pc, PC_FIELDSPLIT_SCHUR_PRE_USER, schur), "giving its diagonal");
-  for (const auto& [key, value] : {std::pair{"-fieldsplit_u_ksp_type", "preonly"},
-                                   {"-fieldsplit_u_pc_type", "bjacobi"},
-                                   {"-fieldsplit_u_sub_pc_factor_mat_ordering_type", "rcm"},
-                                   {"-fieldsplit_p_ksp_type", "preonly"},
-                                   {"-fieldsplit_p_pc_type", "jacobi"}}) {
-    check(PetscOptionsSetValue(nullptr, key, value), "setting options");
-  }
-  check(PCSetFromOptions(pc), "reading the options of the blocks");
-}
-
-void SparseSystem::Impl::update_schur() {
-  Vec diagonal = sum;  // free between assembly and the next one
-  check(MatGetDiagonal(matrix, diagonal), "reading the diagonal");
-  std::vector<double> d;
-  copy_out(diagonal, d);
-  PetscInt begin = 0;
-  PetscInt end = 0;
-  check(MatGetOwnershipRange(matrix, &begin, &end), "reading rows");
-  PetscInt row = 0;
-  check(MatGetOwnershipRange(schur, &row, nullptr), "reading rows");
-  for (PetscInt i = begin; i < end; ++i) {
-    if (!is_pressure[static_cast<std::size_t>(i)]) {
-      continue;
-    }
-    PetscInt n = 0;
-    const PetscInt* columns = nullptr;
-    const PetscScalar* values = nullptr;
-    check(MatGetRow(matrix, i, &n, &columns, &values), "reading a row");
-    double s = d[static_cast<std::size_t>(i)];
-    for (PetscInt k = 0; k < n; ++k) {
-      const auto j = static_cast<std::size_t>(columns[k]);
-      if (!is_pressure[j]) {
-        s -= values[k] * values[k] / std::abs(d[j]);
-      }
-    }
-    check(MatRestoreRow(matrix, i, &n, &columns, &values), "reading a row");
-    check(MatSetValue(schur, row, row, s, INSERT_VALUES), "writing the Schur diagonal");
-    ++row;
-  }
-  check(MatAssemblyBegin(schur, MAT_FINAL_ASSEMBLY), "assembling the Schur diagonal");
-  check(MatAssemblyEnd(schur, MAT_FINAL_ASSEMBLY), "assembling the Schur diagonal");
-}
-
-void SparseSystem::Impl::copy_out(Vec from, std::vector<double>& full) const {
-  check(VecScatterBegin(gather, from, everywhere, INSERT_VALUES, SCATTER_FORWARD), "gathering");
-  check(VecScatterEnd(gather, from, everywhere, INSERT_VALUES, SCATTER_FORWARD), "gathering");
+void SparseSystem::Impl::copy_out(Vec from, std::vector<double>& to) const {
+  check(VecScatterBegin(gather, from, here, INSERT_VALUES, SCATTER_FORWARD), "gathering");
+  check(VecScatterEnd(gather, from, here, INSERT_VALUES, SCATTER_FORWARD), "gathering");
   const PetscScalar* values = nullptr;
-  check(VecGetArrayRead(everywhere, &values), "reading a vector");
-  full.assign(values, values + dofs);
-  check(VecRestoreArrayRead(everywhere, &values), "reading a vector");
+  check(VecGetArrayRead(here, &values), "reading a vector");
+  to.assign(values, values + block * layout.global.size());
+  check(VecRestoreArrayRead(here, &values), "reading a vector");
 }
 
-void SparseSystem::Impl::copy_in(std::span<const double> full, Vec to) const {
-  PetscInt begin = 0;
-  PetscInt end = 0;
-  check(VecGetOwnershipRange(to, &begin, &end), "writing a vector");
+void SparseSystem::Impl::copy_in(std::span<const double> from, Vec to) const {
   PetscScalar* values = nullptr;
   check(VecGetArrayWrite(to, &values), "writing a vector");
-  std::copy(full.begin() + begin, full.begin() + end, values);
+  for (std::size_t r = 0; r < node_of_row.size(); ++r) {
+    std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(block * node_of_row[r]), block,
+                values + block * r);
+  }
   check(VecRestoreArrayWrite(to, &values), "writing a vector");
 }
 
-bool SparseSystem::Impl::run(KSP solver, double relative_tolerance, int& iterations) const {
-  check(KSPSetTolerances(solver, relative_tolerance, PETSC_DEFAULT, 1e6,
-                         solver == block ? max_block_iterations : max_direct_iterations),
+bool SparseSystem::Impl::run(KSP solver, double relative_tolerance, int limit,
+                             int& iterations) const {
+  check(KSPSetTolerances(solver, relative_tolerance, PETSC_DEFAULT, 1e6, limit),
         "setting tolerances");
   const PetscErrorCode code = KSPSolve(solver, rhs, solution);
   if (code != 0) {  // a factorisation met a zero pivot or ran out of memory
@@ -240,14 +178,74 @@ bool SparseSystem::Impl::run(KSP solver, double relative_tolerance, int& iterati
   return reason > 0;
 }
 
-bool SparseSystem::Impl::solve_by_blocks(double relative_tolerance, LinearReport& report) {
-  // Factors that a failure of the blocks forced are used up before the blocks are tried again.
-  if (dofs < small_system || (direct != nullptr && !factors_stale)) {
+/// The matrix the incomplete factors are made of. Taylor-Hood has no pressure block to speak of:
+/// minus a pressure mass over mu, spectrally equivalent to its Schur complement, stands in.
+Mat SparseSystem::Impl::conditioning_matrix() {
+  if (pressure_mass.empty()) {
+    return matrix.petsc();
+  }
+  if (conditioner == nullptr) {
+    check(MatDuplicate(matrix.petsc(), MAT_DO_NOT_COPY_VALUES, &conditioner), "copying the matrix");
+  }
+  for (const double sign : {-1.0, 1.0}) {
+    for (std::size_t r = 0; r < node_of_row.size(); ++r) {
+      const std::size_t n = node_of_row[r];
+      if ((fixed[n] & 8) == 0) {
+        matrix.add_to_pressure_diagonal(static_cast<int>(r), sign * pressure_mass[n]);
+      }
+    }
+    if (sign < 0.0) {
+      check(MatCopy(matrix.petsc(), conditioner, SAME_NONZERO_PATTERN), "copying the matrix");
+    }
+  }
+  return conditioner;
+}
+
+/// Gives the levels their matrices, or tells them to keep what they made of the last ones.
+void SparseSystem::Impl::prepare_levels(bool fresh) {
+  const PetscBool keep = fresh ? PETSC_FALSE : PETSC_TRUE;
+  PC pc = nullptr;
+  KSP smoother = nullptr;
+  KSP bottom = nullptr;
+  check(KSPGetPC(two_level, &pc), "getting the preconditioner");
+  check(PCMGGetSmoother(pc, 1, &smoother), "getting the smoother");
+  check(PCMGGetCoarseSolve(pc, &bottom), "getting the coarse solver");
+  if (fresh) {
+    const Mat smoothed = conditioning_matrix();
+    coarse.update();
+    check(KSPSetOperators(smoother, smoothed, smoothed), "setting the matrix");
+    check(KSPSetOperators(bottom, coarse.matrix(), coarse.matrix()), "setting the coarse matrix");
+  }
+  check(KSPSetReusePreconditioner(two_level, keep), "keeping the levels");
+  check(KSPSetReusePreconditioner(smoother, keep), "keeping the smoother");
+  check(KSPSetOperators(two_level, matrix.petsc(), matrix.petsc()), "setting the matrix");
+  check(KSPSetUp(two_level), "setting up the levels");
+  // Block Jacobi does not hand the wish on to its blocks.
+  check(KSPGetPC(smoother, &pc), "getting the smoother");
+  PetscInt blocks = 0;
+  KSP* own = nullptr;
+  check(PCBJacobiGetSubKSP(pc, &blocks, nullptr, &own), "getting the smoother's blocks");
+  for (PetscInt b = 0; b < blocks; ++b) {
+    check(KSPSetReusePreconditioner(own[b], keep), "keeping the smoother");
+  }
+}
+
+bool SparseSystem::Impl::solve_by_levels(double relative_tolerance, LinearReport& report) {
+  // Factors that a failure of the levels forced are used up before the levels are tried again.
+  if (block * layout.total < small_system || (direct != nullptr && !factors_stale)) {
     return false;
   }
-  update_schur();
-  check(KSPSetOperators(block, matrix, matrix), "setting the matrix");
-  report.converged = run(block, relative_tolerance, report.iterations);
+  for (int attempt = 0; attempt < 2 && !report.converged; ++attempt) {
+    const bool fresh = levels_stale;
+    prepare_levels(fresh);
+    int iterations = 0;
+    report.converged = run(two_level, relative_tolerance, max_iterations, iterations);
+    report.iterations += iterations;
+    levels_stale = !report.converged;
+    if (fresh) {
+      break;  // trying again would change nothing
+    }
+  }
   return report.converged;
 }
 
@@ -258,10 +256,10 @@ void SparseSystem::Impl::solve_directly(double relative_tolerance, LinearReport&
   for (int attempt = 0; attempt < 2 && !report.converged; ++attempt) {
     const bool fresh = factors_stale;
     check(KSPSetReusePreconditioner(direct, fresh ? PETSC_FALSE : PETSC_TRUE), "keeping factors");
-    check(KSPSetOperators(direct, matrix, matrix), "setting the matrix");
+    check(KSPSetOperators(direct, matrix.petsc(), matrix.petsc()), "setting the matrix");
     report.factorised = report.factorised || fresh;
     int iterations = 0;
-    report.converged = run(direct, relative_tolerance, iterations);
+    report.converged = run(direct, relative_tolerance, max_direct_iterations, iterations);
     report.iterations += iterations;
     factors_stale = !report.converged || iterations > slow_solve;
     if (fresh) {
@@ -272,51 +270,65 @@ void SparseSystem::Impl::solve_directly(double relative_tolerance, LinearReport&
 }
 
 SparseSystem::SparseSystem(const Layout& layout, const ElementList& elements,
-                           std::span<const int> fixed, std::vector<bool> pressure,
-                           Symmetry symmetry)
-    : impl_(std::make_unique<Impl>()) {
-  impl_->dofs = layout.dofs;
-  impl_->is_pressure = std::move(pressure);
-  impl_->symmetry = symmetry;
-  impl_->make_patterns(layout, elements, fixed);
-  if (symmetry == Symmetry::Symmetric) {
-    check(MatSetOption(impl_->matrix, MAT_SYMMETRIC, PETSC_TRUE), "marking symmetry");
-    check(MatSetOption(impl_->matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE), "marking symmetry");
-  }
-  impl_->make_block_solver(layout);
-}
+                           std::span<const std::uint8_t> fixed, std::span<const Vec3> positions)
+    : impl_(std::make_unique<Impl>(layout, elements, fixed, positions)) {}
 
 SparseSystem::~SparseSystem() = default;
 
-std::span<double> SparseSystem::matrix_block(int element) {
+void SparseSystem::clear(bool with_matrix) {
+  std::ranges::fill(impl_->sum, 0.0);
+  if (with_matrix) {
+    impl_->matrix.clear();
+  }
+}
+
+RowPart SparseSystem::part(int part, int parts) const {
+  const auto own = static_cast<long>(impl_->layout.own());
+  return {static_cast<int>(own * part / parts), static_cast<int>(own * (part + 1) / parts)};
+}
+
+void SparseSystem::add(int element, int pressures, std::span<const double> vector,
+                       std::span<const double> matrix, RowPart part) {
   const auto e = static_cast<std::size_t>(element);
-  return std::span(impl_->matrix_values)
-      .subspan(impl_->matrix_offset[e], impl_->matrix_offset[e + 1] - impl_->matrix_offset[e]);
+  const auto first = static_cast<std::size_t>(impl_->offset[e]);
+  const auto count = static_cast<std::size_t>(impl_->offset[e + 1]) - first;
+  for (std::size_t a = 0; a < count; ++a) {
+    const auto node = static_cast<std::size_t>(impl_->nodes[first + a]);
+    const int row = impl_->row_of_node[node];
+    if (row < part.begin || row >= part.end) {
+      continue;
+    }
+    double* to = impl_->sum.data() + block * node;
+    for (std::size_t i = 0; i < 3; ++i) {
+      to[i] += (impl_->fixed[node] >> i & 1) != 0 ? 0.0 : vector[3 * a + i];
+    }
+    if (static_cast<int>(a) < pressures && (impl_->fixed[node] & 8) == 0) {
+      to[3] += vector[3 * count + a];
+    }
+  }
+  if (!matrix.empty()) {
+    impl_->matrix.add(element, pressures, matrix, part);
+  }
 }
 
-std::span<double> SparseSystem::vector_block(int element) {
-  const auto e = static_cast<std::size_t>(element);
-  const auto begin = static_cast<std::size_t>(impl_->offset[e]);
-  return std::span(impl_->vector_values)
-      .subspan(begin, static_cast<std::size_t>(impl_->offset[e + 1]) - begin);
+void SparseSystem::finish_matrix() {
+  impl_->matrix.finish();
 }
 
-void SparseSystem::assemble_matrix() {
-  check(MatSetValuesCOO(impl_->matrix, impl_->matrix_values.data(), INSERT_VALUES),
-        "assembling the matrix");
+const std::vector<double>& SparseSystem::vector() const {
+  return impl_->sum;
 }
 
-void SparseSystem::assemble_vector(std::vector<double>& full) {
-  check(VecSetValuesCOO(impl_->sum, impl_->vector_values.data(), INSERT_VALUES),
-        "assembling the residual");
-  impl_->copy_out(impl_->sum, full);
+void SparseSystem::set_pressure_mass(std::span<const double> mass) {
+  impl_->pressure_mass.assign(mass.begin(), mass.end());
 }
 
 LinearReport SparseSystem::solve(std::span<const double> b, double relative_tolerance,
-                                 std::vector<double>& x) {
+                                 MatrixChange change, std::vector<double>& x) {
+  impl_->levels_stale = impl_->levels_stale || change == MatrixChange::Large;
   impl_->copy_in(b, impl_->rhs);
   LinearReport report;
-  if (!impl_->solve_by_blocks(relative_tolerance, report)) {
+  if (!impl_->solve_by_levels(relative_tolerance, report)) {
     impl_->solve_directly(relative_tolerance, report);
   }
   impl_->copy_out(impl_->solution, x);
@@ -325,6 +337,7 @@ LinearReport SparseSystem::solve(std::span<const double> b, double relative_tole
 
 void SparseSystem::forget_factorisation() {
   impl_->factors_stale = true;
+  impl_->levels_stale = true;
 }
 
 }  // namespace sanatrix::fem

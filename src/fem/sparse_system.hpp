@@ -1,25 +1,34 @@
-// A sparse linear system that is assembled from element contributions again and again with one
-// pattern. The seam to PETSc's matrices and linear solvers.
+// A sparse linear system of node blocks (three displacements and a pressure) that is assembled from
+// element contributions again and again with one pattern. The seam to PETSc's matrices and solvers.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "fem/layout.hpp"
+#include "geometry/vec3.hpp"
 
 namespace sanatrix::fem {
 
-/// Elements of this rank: flat lists of global unknowns. An unknown that is held fixed appears as
-/// -1: its contributions are dropped.
+/// Elements this process evaluates, as lists of its nodes.
 struct ElementList {
-  std::vector<int> offset{0};  ///< element e has dofs[offset[e] .. offset[e+1])
-  std::vector<int> dofs;
-  void add(std::span<const int> element_dofs);
+  std::vector<int> offset{0};
+  std::vector<int> nodes;
+  void add(std::span<const int> element_nodes);
   [[nodiscard]] int size() const { return static_cast<int>(offset.size()) - 1; }
+  [[nodiscard]] std::span<const int> of(int element) const {
+    const auto e = static_cast<std::size_t>(element);
+    return std::span(nodes).subspan(static_cast<std::size_t>(offset[e]),
+                                    static_cast<std::size_t>(offset[e + 1] - offset[e]));
+  }
 };
 
-enum class Symmetry { Symmetric, General };
+/// A range of a process's own rows, counted from zero: what one thread writes.
+struct RowPart {
+  int begin, end;
+};
 
 struct LinearReport {
   bool converged = false;
@@ -27,29 +36,45 @@ struct LinearReport {
   bool factorised = false;
 };
 
+/// How far the matrix is from the one of the last solve: whether its preconditioner still serves.
+enum class MatrixChange { Small, Large };
+
+/// Vectors hold `block` values per node of the process, x y z p; only those of owned nodes count,
+/// except in solutions, which are complete.
 class SparseSystem {
  public:
-  /// fixed: unknowns (of any rank) that are held; they get a unit diagonal and a zero residual.
-  /// pressure: per unknown, is it a pressure? (for block preconditioning of large systems)
-  SparseSystem(const Layout& layout, const ElementList& elements, std::span<const int> fixed,
-               std::vector<bool> pressure, Symmetry symmetry);
+  /// elements: every element that touches an owned node, so that assembly needs no messages.
+  /// fixed: per node, bit i holds unknown i: unit diagonal, zero residual. Positions [m] shape the
+  /// coarse space. All calls that speak of a matrix or of solving are collective.
+  SparseSystem(const Layout& layout, const ElementList& elements,
+               std::span<const std::uint8_t> fixed, std::span<const Vec3> positions);
   ~SparseSystem();
   SparseSystem(const SparseSystem&) = delete;
   SparseSystem& operator=(const SparseSystem&) = delete;
 
-  /// Dense row-major block of element e; write it, then call assemble_matrix(). Threads may write
-  /// different elements at the same time.
-  [[nodiscard]] std::span<double> matrix_block(int element);
-  [[nodiscard]] std::span<double> vector_block(int element);
-  void assemble_matrix();
-  /// Sums the element vectors; the result is complete on every rank.
-  void assemble_vector(std::vector<double>& full);
+  void clear(bool with_matrix);
+  /// The part-th of `parts` equal ranges of rows: threads that write different parts may add the
+  /// same element at the same time, and sums do not depend on their number.
+  [[nodiscard]] RowPart part(int part, int parts) const;
+  /// Adds the rows of one element that lie in the part. Its unknowns: x y z of every node, then the
+  /// pressures of the first `pressures` nodes. matrix: row-major, or empty.
+  void add(int element, int pressures, std::span<const double> vector,
+           std::span<const double> matrix, RowPart part);
+  /// After the last add.
+  void finish_matrix();
+  [[nodiscard]] const std::vector<double>& vector() const;
 
-  /// x = A^-1 b by FGMRES. First choice is the block preconditioner (incomplete factors of the
-  /// displacement block, diagonal Schur complement); where that fails, and for small systems, the
-  /// last MUMPS factorisation is used while it is good enough. b and x are complete on every rank.
-  LinearReport solve(std::span<const double> b, double relative_tolerance, std::vector<double>& x);
-  /// The next solve starts with a fresh factorisation.
+  /// Per node, a pressure mass over shear modulus [m3/Pa] for elements whose pressure block is
+  /// (almost) zero: the preconditioner works with the system as if it were there.
+  void set_pressure_mass(std::span<const double> mass);
+
+  /// x = A^-1 b by GMRES. First choice is the two-level preconditioner (incomplete factors of the
+  /// node blocks and a coarse space of rigid motions); where that fails, and for small systems, the
+  /// last MUMPS factorisation is used while it is good enough.
+  LinearReport solve(std::span<const double> b, double relative_tolerance, MatrixChange change,
+                     std::vector<double>& x);
+  /// The next solve starts with a fresh preconditioner: a run that is resumed here takes the same
+  /// path as one that was never stopped.
   void forget_factorisation();
 
  private:

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include <mpi.h>
+#include <omp.h>
 
 #include "core/error.hpp"
 #include "mechanics/mooney_rivlin.hpp"
@@ -23,6 +25,25 @@ std::vector<Vec3> with_midpoints(std::span<const Vec3> vertices, const fem::Edge
     nodes.push_back(0.5 * (vertices[index(a)] + vertices[index(b)]));
   }
   return nodes;
+}
+
+/// Indices of the cells in the order of their first rows: neighbours in the matrix are filled one
+/// after another.
+std::vector<std::size_t> by_place(std::span<const std::array<int, 4>> cells,
+                                  const fem::Layout& layout) {
+  std::vector<int> first;
+  first.reserve(cells.size());
+  for (const auto& cell : cells) {
+    int row = layout.total;
+    for (const int v : cell) {
+      row = std::min(row, layout.global[index(v)]);
+    }
+    first.push_back(row);
+  }
+  std::vector<std::size_t> order(cells.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t c) { return first[c]; });
+  return order;
 }
 
 void check_body(const Body& body) {
@@ -50,76 +71,75 @@ DiscreteBody::DiscreteBody(const Body& body) : body_(body) {
           {edges_.find(v[0], v[1]), edges_.find(v[1], v[2]), edges_.find(v[2], v[0])});
     }
   }
-  std::vector<int> node_dofs(node_count_, 3);
-  std::fill_n(node_dofs.begin(), mesh.points.size(), 4);
-  layout_ = fem::make_layout(with_midpoints(mesh.points, edges_), std::move(node_dofs));
-  is_pressure_.assign(index(layout_.dofs), false);
-  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    is_pressure_[index(layout_.first_dof[v] + 3)] = true;
-  }
-  for (std::size_t n = 0; n < node_count_; ++n) {
-    std::uint8_t held = 0;
-    if (n < mesh.points.size()) {
-      held = body_.fixed[n];
-    } else {  // a mid-edge node is held where both ends are
-      const auto& [a, b] = edges_.edges[n - mesh.points.size()];
-      held = body_.fixed[index(a)] & body_.fixed[index(b)];
-    }
-    for (int i = 0; i < 3; ++i) {
-      if ((held >> i & 1) != 0) {
-        fixed_dofs_.push_back(layout_.first_dof[n] + i);
-      }
-    }
-  }
+  const std::vector<Vec3> positions = with_midpoints(mesh.points, edges_);
+  layout_ = fem::make_layout(positions);
+  hold_nodes();
   list_elements();
+  system_ = std::make_unique<fem::SparseSystem>(layout_, elements_, fixed_, positions);
+  list_parts();
 }
 
-int DiscreteBody::node_of_cell(std::size_t cell, std::size_t local) const {
-  return local < 4
-             ? body_.mesh->cells[cell][local]
-             : static_cast<int>(body_.mesh->points.size()) + edges_.cell_edges[cell][local - 4];
-}
-
-int DiscreteBody::node_of_face(std::size_t face, std::size_t local) const {
-  return local < 3 ? body_.skin_faces[face].vertex[local]
-                   : static_cast<int>(body_.mesh->points.size()) + face_edges_[face][local - 3];
-}
-
-/// An element belongs to the rank that owns the smallest of its unknowns.
-void DiscreteBody::list_elements() {
-  std::vector<bool> held(index(layout_.dofs), false);
-  for (const int d : fixed_dofs_) {
-    held[index(d)] = true;
+/// A mid-edge node is held where both ends are; it has no pressure.
+void DiscreteBody::hold_nodes() {
+  fixed_.assign(body_.fixed.begin(), body_.fixed.end());
+  for (const auto& [a, b] : edges_.edges) {
+    fixed_.push_back(
+        static_cast<std::uint8_t>((body_.fixed[index(a)] & body_.fixed[index(b)]) | 8));
   }
-  const bool quadratic = body_.element == Element::P2P1;
-  std::vector<int> dofs;
-  const auto add_if_mine = [&](std::vector<int>& mine, std::size_t e) {
-    if (layout_.owns(*std::ranges::min_element(dofs))) {
-      for (int& d : dofs) {
-        d = held[index(d)] ? -1 : d;
-      }
+}
+
+/// An element that several ranks evaluate is counted by the one that owns its first node.
+bool DiscreteBody::is_mine(std::span<const int> nodes) const {
+  return layout_.owns(nodes.front());
+}
+
+void DiscreteBody::list_elements() {
+  const TetMesh& mesh = *body_.mesh;
+  const auto vertices = static_cast<int>(mesh.points.size());
+  std::vector<int> nodes;
+  const auto add_if_touched = [&](std::vector<int>& mine, std::size_t e) {
+    if (std::ranges::any_of(nodes, [&](int n) { return layout_.owns(n); })) {
       mine.push_back(static_cast<int>(e));
-      elements_.add(dofs);
+      elements_.add(nodes);
     }
   };
-  for (std::size_t c = 0; c < body_.mesh->cells.size(); ++c) {
-    dofs.clear();
-    for (std::size_t a = 0; a < (quadratic ? 10U : 4U); ++a) {
-      const int first = layout_.first_dof[index(node_of_cell(c, a))];
-      dofs.insert(dofs.end(), {first, first + 1, first + 2});
+  for (const std::size_t c : by_place(mesh.cells, layout_)) {
+    nodes.assign(mesh.cells[c].begin(), mesh.cells[c].end());
+    if (body_.element == Element::P2P1) {
+      for (const int e : edges_.cell_edges[c]) {
+        nodes.push_back(vertices + e);
+      }
     }
-    for (const int v : body_.mesh->cells[c]) {
-      dofs.push_back(layout_.first_dof[index(v)] + 3);
-    }
-    add_if_mine(cells_, c);
+    add_if_touched(cells_, c);
   }
   for (std::size_t f = 0; f < body_.skin_faces.size(); ++f) {
-    dofs.clear();
-    for (std::size_t a = 0; a < (quadratic ? 6U : 3U); ++a) {
-      const int first = layout_.first_dof[index(node_of_face(f, a))];
-      dofs.insert(dofs.end(), {first, first + 1, first + 2});
+    const auto& v = body_.skin_faces[f].vertex;
+    nodes.assign(v.begin(), v.end());
+    if (body_.element == Element::P2P1) {
+      for (const int e : face_edges_[f]) {
+        nodes.push_back(vertices + e);
+      }
     }
-    add_if_mine(faces_, f);
+    add_if_touched(faces_, f);
+  }
+}
+
+/// Every thread evaluates all elements that touch its rows and writes nothing else: no barriers, and
+/// sums that do not depend on the number of threads. The elements between two parts are computed
+/// twice.
+void DiscreteBody::list_parts() {
+  parts_.resize(static_cast<std::size_t>(omp_get_max_threads()));
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    Part& part = parts_[p];
+    part.rows = system_->part(static_cast<int>(p), static_cast<int>(parts_.size()));
+    for (int e = 0; e < elements_.size(); ++e) {
+      if (std::ranges::any_of(elements_.of(e), [&](int node) {
+            const int row = layout_.global[index(node)] - layout_.own_begin;
+            return row >= part.rows.begin && row < part.rows.end;
+          })) {
+        part.elements.push_back(e);
+      }
+    }
   }
 }
 
@@ -134,75 +154,126 @@ void DiscreteBody::begin(Unknown unknown, std::span<const Vec3> known, const Vec
   unknown_ = unknown;
   known_.assign(known.begin(), known.end());
   gravity_ = gravity;
-  double volume_all = 0.0;
-  double shear = 0.0;
-  double mass = 0.0;
+  set_scales();
+  system_->forget_factorisation();
+  if (body_.element == Element::P2P1) {
+    system_->set_pressure_mass(pressure_mass());
+  }
+}
+
+/// Typical sizes of a force and of a pressure residual, from the whole body.
+void DiscreteBody::set_scales() {
+  std::array<double, 4> mine{};  // volume, its shear modulus, mass, own vertices
   const std::vector<double> volumes =
       cell_volumes(*body_.mesh, std::span(known_).first(body_.mesh->points.size()));
-  for (std::size_t c = 0; c < volumes.size(); ++c) {
-    const Tissue& t = body_.tissue[c];
-    volume_all += volumes[c];
-    shear += volumes[c] * 2.0 * (t.c1 + t.c2);
-    mass += volumes[c] * t.density;
+  for (const int c : cells_) {
+    if (is_mine(body_.mesh->cells[index(c)])) {
+      const Tissue& t = body_.tissue[index(c)];
+      mine[0] += volumes[index(c)];
+      mine[1] += volumes[index(c)] * 2.0 * (t.c1 + t.c2);
+      mine[2] += volumes[index(c)] * t.density;
+    }
   }
-  const double n = static_cast<double>(body_.mesh->points.size());
-  const double h = std::cbrt(volume_all / n);
-  const double mu = shear / volume_all;
+  for (std::size_t v = 0; v < body_.mesh->points.size(); ++v) {
+    mine[3] += layout_.owns(static_cast<int>(v)) ? 1.0 : 0.0;
+  }
+  std::array<double, 4> all{};
+  MPI_Allreduce(mine.data(), all.data(), 4, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  const double n = all[3];
+  const double h = std::cbrt(all[0] / n);
+  const double mu = all[1] / all[0];
   pressure_scale_ = mu / h;
   const double own = 1e-3 * mu * h * h * std::sqrt(n);
-  load_scale_ = std::max(sanatrix::norm(gravity_) * mass / std::sqrt(n), own);
+  load_scale_ = std::max(sanatrix::norm(gravity_) * all[2] / std::sqrt(n), own);
+}
+
+/// int q / mu dV at the vertices (complete for own ones): what stands in for the pressure block of
+/// Taylor-Hood in the preconditioner.
+std::vector<double> DiscreteBody::pressure_mass() const {
+  std::vector<double> mass(node_count_, 0.0);
+  const std::vector<double> volumes =
+      cell_volumes(*body_.mesh, std::span(known_).first(body_.mesh->points.size()));
+  for (const int c : cells_) {
+    const Tissue& t = body_.tissue[index(c)];
+    for (const int v : body_.mesh->cells[index(c)]) {
+      mass[index(v)] += 0.25 * volumes[index(c)] / (2.0 * (t.c1 + t.c2));
+    }
+  }
+  return mass;
+}
+
+/// Vector and matrix of one element.
+struct DiscreteBody::Buffer {
+  std::vector<double> vector, matrix;
+  Buffer(std::size_t size, bool with_matrix)
+      : vector(size), matrix(with_matrix ? size * size : 0) {}
+};
+
+template <std::size_t Nodes>
+double DiscreteBody::compute_cell(int e, const State& state, Buffer& to) const {
+  const std::size_t c = index(cells_[index(e)]);
+  const auto nodes = elements_.of(e);
+  std::array<Vec3, Nodes> known;
+  std::array<Vec3, Nodes> sought;
+  std::array<double, 4> p{};
+  for (std::size_t a = 0; a < Nodes; ++a) {
+    known[a] = known_[index(nodes[a])];
+    sought[a] = state.nodes[index(nodes[a])];
+  }
+  for (std::size_t a = 0; a < 4; ++a) {
+    p[a] = state.pressure[index(nodes[a])];
+  }
+  return cell_element<Nodes>({unknown_, known, sought, p, body_.tissue[c], gravity_}, to.vector,
+                             to.matrix);
+}
+
+template <std::size_t Nodes>
+void DiscreteBody::compute_face(int f, const State& state, bool at_rest, Buffer& to) const {
+  const auto nodes = elements_.of(static_cast<int>(cells_.size()) + f);
+  std::array<Vec3, Nodes> known;
+  std::array<Vec3, Nodes> sought;
+  for (std::size_t a = 0; a < Nodes; ++a) {
+    known[a] = known_[index(nodes[a])];
+    sought[a] = state.nodes[index(nodes[a])];
+  }
+  const Skin& skin = body_.skins[index(body_.skin_faces[index(faces_[index(f)])].law)];
+  face_element<Nodes>({unknown_, known, sought, skin, gravity_, at_rest}, to.vector, to.matrix);
+}
+
+template <std::size_t CellNodes, std::size_t FaceNodes>
+Worst DiscreteBody::evaluate_part(const Part& part, const State& state, bool with_matrix,
+                                  bool at_rest) {
+  const auto cells = static_cast<int>(cells_.size());
+  Worst worst{std::numeric_limits<double>::infinity(), -1};
+  Buffer cell(3 * CellNodes + 4, with_matrix);
+  Buffer face(3 * FaceNodes, with_matrix);
+  for (const int e : part.elements) {
+    if (e < cells) {
+      const double J = compute_cell<CellNodes>(e, state, cell);
+      if (!(J >= worst.J)) {
+        worst = {std::isnan(J) ? -1.0 : J, cells_[index(e)]};
+      }
+      system_->add(e, 4, cell.vector, cell.matrix, part.rows);
+    } else {
+      compute_face<FaceNodes>(e - cells, state, at_rest, face);
+      system_->add(e, 0, face.vector, face.matrix, part.rows);
+    }
+  }
+  return worst;
 }
 
 template <std::size_t CellNodes, std::size_t FaceNodes>
 bool DiscreteBody::evaluate(const State& state, bool with_matrix, bool at_rest) {
-  fem::SparseSystem& sparse = system();
-  const int n_cells = static_cast<int>(cells_.size());
-  const int n_faces = static_cast<int>(faces_.size());
-  std::vector<double> min_J(index(n_cells));
-#pragma omp parallel for schedule(static)
-  for (int e = 0; e < n_cells; ++e) {
-    const std::size_t c = index(cells_[index(e)]);
-    std::array<Vec3, CellNodes> known;
-    std::array<Vec3, CellNodes> sought;
-    std::array<double, 4> p{};
-    for (std::size_t a = 0; a < CellNodes; ++a) {
-      const std::size_t node = index(node_of_cell(c, a));
-      known[a] = known_[node];
-      sought[a] = state.nodes[node];
-    }
-    for (std::size_t a = 0; a < 4; ++a) {
-      p[a] = state.pressure[index(body_.mesh->cells[c][a])];
-    }
-    const CellInput in{unknown_, known, sought, p, body_.tissue[c], gravity_};
-    min_J[index(e)] = cell_element<CellNodes>(
-        in, sparse.vector_block(e), with_matrix ? sparse.matrix_block(e) : std::span<double>{});
+  system_->clear(with_matrix);
+  std::vector<Worst> worst(parts_.size());
+#pragma omp parallel for schedule(static, 1)
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    worst[p] = evaluate_part<CellNodes, FaceNodes>(parts_[p], state, with_matrix, at_rest);
   }
-#pragma omp parallel for schedule(static)
-  for (int f = 0; f < n_faces; ++f) {
-    const std::size_t s = index(faces_[index(f)]);
-    std::array<Vec3, FaceNodes> known;
-    std::array<Vec3, FaceNodes> sought;
-    for (std::size_t a = 0; a < FaceNodes; ++a) {
-      const std::size_t node = index(node_of_face(s, a));
-      known[a] = known_[node];
-      sought[a] = state.nodes[node];
-    }
-    const FaceInput in{unknown_, known,  sought, body_.skins[index(body_.skin_faces[s].law)],
-                       gravity_, at_rest};
-    face_element<FaceNodes>(in, sparse.vector_block(n_cells + f),
-                            with_matrix ? sparse.matrix_block(n_cells + f) : std::span<double>{});
-  }
-  struct {
-    double J;
-    int cell;
-  } mine{std::numeric_limits<double>::infinity(), -1}, all{};
-  for (int e = 0; e < n_cells; ++e) {
-    if (min_J[index(e)] < mine.J || std::isnan(min_J[index(e)])) {
-      mine = {std::isnan(min_J[index(e)]) ? -1.0 : min_J[index(e)], cells_[index(e)]};
-    }
-  }
+  const Worst mine = *std::ranges::min_element(worst, {}, &Worst::J);
+  Worst all{};
   MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE_INT, MPI_MINLOC, MPI_COMM_WORLD);
-  worst_ = {all.J, all.cell};
+  worst_ = all;
   return worst_.J > 0.0;
 }
 
@@ -215,7 +286,7 @@ bool DiscreteBody::residual(const State& state, std::vector<double>& r) {
   if (!run(state, false, false)) {
     return false;
   }
-  system().assemble_vector(r);
+  r = system_->vector();
   return true;
 }
 
@@ -223,34 +294,24 @@ bool DiscreteBody::residual_and_matrix(const State& state, std::vector<double>& 
   if (!run(state, true, at_rest)) {
     return false;
   }
-  system().assemble_vector(r);
-  system().assemble_matrix();
+  r = system_->vector();
+  system_->finish_matrix();
   return true;
 }
 
-fem::SparseSystem& DiscreteBody::system() {
-  auto& wanted = unknown_ == Unknown::Deformed ? forward_ : inverse_;
-  if (!wanted) {
-    wanted = std::make_unique<fem::SparseSystem>(
-        layout_, elements_, fixed_dofs_, is_pressure_,
-        unknown_ == Unknown::Deformed ? fem::Symmetry::Symmetric : fem::Symmetry::General);
-  }
-  return *wanted;
-}
-
 fem::LinearReport DiscreteBody::solve(std::span<const double> b, double relative_tolerance,
-                                      std::vector<double>& x) {
-  return system().solve(b, relative_tolerance, x);
+                                      fem::MatrixChange change, std::vector<double>& x) {
+  return system_->solve(b, relative_tolerance, change, x);
 }
 
 void DiscreteBody::forget_factorisation() {
-  system().forget_factorisation();
+  system_->forget_factorisation();
 }
 
 State DiscreteBody::moved(const State& state, std::span<const double> d, double alpha) const {
   State next = state;
   for (std::size_t n = 0; n < node_count_; ++n) {
-    const std::size_t first = index(layout_.first_dof[n]);
+    const std::size_t first = fem::block * n;
     next.nodes[n] += alpha * Vec3{d[first], d[first + 1], d[first + 2]};
     if (n < next.pressure.size()) {
       next.pressure[n] += alpha * d[first + 3];
@@ -260,12 +321,14 @@ State DiscreteBody::moved(const State& state, std::span<const double> d, double 
 }
 
 double DiscreteBody::norm(std::span<const double> r) const {
-  double sum = 0.0;
+  double mine = 0.0;
   for (std::size_t i = 0; i < r.size(); ++i) {
-    const double force = is_pressure_[i] ? pressure_scale_ * r[i] : r[i];
-    sum += force * force;
+    const double force = i % fem::block == 3 ? pressure_scale_ * r[i] : r[i];
+    mine += force * force;
   }
-  return std::sqrt(sum);
+  double all = 0.0;
+  MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return std::sqrt(all);
 }
 
 std::vector<double> DiscreteBody::jacobians(std::span<const Vec3> reference,
@@ -284,7 +347,9 @@ std::vector<double> DiscreteBody::jacobians(std::span<const Vec3> reference,
       Mat3 X{};
       Mat3 x{};
       for (std::size_t a = 0; a < 10; ++a) {
-        const std::size_t node = index(node_of_cell(c, a));
+        const std::size_t node =
+            a < 4 ? index(body_.mesh->cells[c][a])
+                  : body_.mesh->points.size() + index(edges_.cell_edges[c][a - 4]);
         for (std::size_t i = 0; i < 3; ++i) {
           for (std::size_t d = 0; d < 3; ++d) {
             X[i][d] += reference[node][i] * basis.derivative[a][d];

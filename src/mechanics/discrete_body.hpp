@@ -34,13 +34,13 @@ class DiscreteBody {
 
   /// Chooses direction, known shape and gravity for the following evaluations.
   void begin(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity);
-  /// R(state), complete on every rank; fixed unknowns have zero. False when a cell is inverted
-  /// (worst() names it).
+  /// R(state), `fem::block` values per node, zero for fixed unknowns and for nodes of other ranks.
+  /// False when a cell is inverted (worst() names it).
   bool residual(const State& state, std::vector<double>& r);
   /// R and its matrix. at_rest: membranes answer with their stiffness at rest.
   bool residual_and_matrix(const State& state, std::vector<double>& r, bool at_rest);
   fem::LinearReport solve(std::span<const double> b, double relative_tolerance,
-                          std::vector<double>& x);
+                          fem::MatrixChange change, std::vector<double>& x);
   void forget_factorisation();
   /// state + alpha d
   [[nodiscard]] State moved(const State& state, std::span<const double> d, double alpha) const;
@@ -55,13 +55,27 @@ class DiscreteBody {
                                               std::span<const Vec3> deformed) const;
 
  private:
+  struct Buffer;
+  /// What one thread works on.
+  struct Part {
+    fem::RowPart rows;
+    std::vector<int> elements;
+  };
+  template <std::size_t Nodes>
+  double compute_cell(int e, const State& state, Buffer& to) const;
+  template <std::size_t Nodes>
+  void compute_face(int f, const State& state, bool at_rest, Buffer& to) const;
+  template <std::size_t CellNodes, std::size_t FaceNodes>
+  Worst evaluate_part(const Part& part, const State& state, bool with_matrix, bool at_rest);
   template <std::size_t CellNodes, std::size_t FaceNodes>
   bool evaluate(const State& state, bool with_matrix, bool at_rest);
   bool run(const State& state, bool with_matrix, bool at_rest);
-  [[nodiscard]] int node_of_cell(std::size_t cell, std::size_t local) const;
-  [[nodiscard]] int node_of_face(std::size_t face, std::size_t local) const;
+  void hold_nodes();
   void list_elements();
-  [[nodiscard]] fem::SparseSystem& system();
+  void list_parts();
+  void set_scales();
+  [[nodiscard]] bool is_mine(std::span<const int> nodes) const;
+  [[nodiscard]] std::vector<double> pressure_mass() const;
 
   Body body_;
   fem::EdgeTable edges_;
@@ -69,10 +83,10 @@ class DiscreteBody {
   std::size_t node_count_ = 0;
   fem::Layout layout_;
   fem::ElementList elements_;
-  std::vector<int> cells_, faces_;  ///< of this rank, in element order
-  std::vector<int> fixed_dofs_;
-  std::vector<bool> is_pressure_;
-  std::unique_ptr<fem::SparseSystem> forward_, inverse_;
+  std::vector<int> cells_, faces_;   ///< that touch an own node, in element order
+  std::vector<std::uint8_t> fixed_;  ///< per node: bits x y z p
+  std::vector<Part> parts_;
+  std::unique_ptr<fem::SparseSystem> system_;
   Unknown unknown_ = Unknown::Deformed;
   std::vector<Vec3> known_;
   Vec3 gravity_{};

@@ -76,6 +76,8 @@ class Solver {
   /// cell, region, load fraction and min J when it fails at the smallest step.
   Shape forward(std::span<const Vec3> reference_nodes, const Vec3& gravity, const Shape* guess,
                 const Context& ctx);
+  /// Scaled residual of a shape under gravity: 0 in equilibrium, infinite where a cell is inverted.
+  double misfit(std::span<const Vec3> reference_nodes, const Vec3& gravity, const Shape& shape);
   /// Stress-free reference of a body whose loaded shape is known.
   Shape inverse(std::span<const Vec3> loaded_nodes, const Vec3& gravity, const Context& ctx);
   [[nodiscard]] const SolveReport& last_report() const;

@@ -1,6 +1,7 @@
 // Newton's method with line search and load continuation; Solver's public face.
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "core/error.hpp"
 #include "mechanics/discrete_body.hpp"
@@ -16,8 +17,12 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// A full step may raise the residual this much: a membrane that takes up load overshoots once and
 /// then converges in fewer iterations than with damped steps (measured: 12 instead of 16).
 constexpr double allowed_growth = 10.0;
+/// A step that lowers the residual to this share of it hardly changes the matrix.
+constexpr double quiet = 0.1;
 /// Below this share of a step the search direction is no good: the load step is halved instead.
 constexpr double smallest_step = 1e-3;
+
+enum class Tangent { None, AtRest, Exact };  ///< AtRest: membranes answer as at rest
 
 std::vector<double> minus(const std::vector<double>& a, const std::vector<double>& b, double s) {
   std::vector<double> r(a.size());
@@ -51,27 +56,44 @@ struct Solver::Impl {
 
   bool newton(State& state, const std::vector<double>& target, double share, bool at_rest,
               const Context& ctx, double done);
+  bool evaluate(const State& state, const std::vector<double>& target, double share,
+                Tangent tangent, std::vector<double>& r);
   bool line_search(State& state, const std::vector<double>& direction,
-                   const std::vector<double>& target, double share, double before);
+                   const std::vector<double>& target, double share, std::vector<double>& r);
   State follow_load(State state, bool from_rest, const Context& ctx);
   [[noreturn]] void fail(double load) const;
   Shape finish(State state) { return {std::move(state.nodes), std::move(state.pressure)}; }
 };
 
-/// Backtracking on the norm of R - share * target, generous to full steps. Moves the state and says
-/// whether it got better.
+/// R - share * target at the state and, if wanted, the matrix. False when a cell is inverted.
+bool Solver::Impl::evaluate(const State& state, const std::vector<double>& target, double share,
+                            Tangent tangent, std::vector<double>& r) {
+  const auto start = std::chrono::steady_clock::now();
+  const bool valid = tangent == Tangent::None
+                         ? discrete.residual(state, r)
+                         : discrete.residual_and_matrix(state, r, tangent == Tangent::AtRest);
+  report.seconds_assembly += seconds_since(start);
+  if (valid) {
+    r = minus(r, target, share);
+  }
+  return valid;
+}
+
+/// Backtracking on the norm of R - share * target, generous to full steps. Moves the state to a
+/// better one, with its residual and matrix, or says that there is none.
 bool Solver::Impl::line_search(State& state, const std::vector<double>& direction,
-                               const std::vector<double>& target, double share, double before) {
-  std::vector<double> r;
+                               const std::vector<double>& target, double share,
+                               std::vector<double>& r) {
+  const double before = discrete.norm(r);
   for (double alpha = 1.0; alpha >= smallest_step;) {
     State trial = discrete.moved(state, direction, alpha);
-    const auto start = std::chrono::steady_clock::now();
-    const bool valid = discrete.residual(trial, r);
-    report.seconds_assembly += seconds_since(start);
-    const double after = valid ? discrete.norm(minus(r, target, share)) : 0.0;
-    if (valid && after < (alpha == 1.0 ? allowed_growth : 1.0 - 1e-3 * alpha) * before) {
+    // Full steps are nearly always taken, and then their matrix is needed.
+    const bool full = alpha == 1.0;
+    const bool valid = evaluate(trial, target, share, full ? Tangent::Exact : Tangent::None, r);
+    const double after = valid ? discrete.norm(r) : 0.0;
+    if (valid && after < (full ? allowed_growth : 1.0 - 1e-3 * alpha) * before) {
       state = std::move(trial);
-      return true;
+      return full || evaluate(state, target, share, Tangent::Exact, r);
     }
     // The quadratic through the merit at 0 (slope -2 before^2) and alpha, kept within [0.25, 0.5].
     const double ratio = valid ? after / before : 0.0;
@@ -86,14 +108,11 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
                           bool at_rest, const Context& ctx, double done) {
   const double tolerance = options.relative_tolerance * discrete.load_scale();
   double previous = 0.0;
-  for (int it = 0; it <= options.max_newton; ++it) {
-    std::vector<double> r;
-    auto start = std::chrono::steady_clock::now();
-    if (!discrete.residual_and_matrix(state, r, at_rest && it == 0)) {
-      return false;
-    }
-    report.seconds_assembly += seconds_since(start);
-    r = minus(r, target, share);
+  std::vector<double> r;
+  if (!evaluate(state, target, share, at_rest ? Tangent::AtRest : Tangent::Exact, r)) {
+    return false;
+  }
+  for (int it = 0;; ++it) {
     const double now = discrete.norm(r);
     report.last_residual = now / discrete.load_scale();
     ctx.detail(done,
@@ -109,21 +128,22 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
     // Eisenstat and Walker, choice 2 (doi:10.1137/0917003), never tighter than the goal needs.
     const double forcing =
         it == 0 ? 1e-2 : std::min(1e-2, 0.9 * (now / previous) * (now / previous));
-    previous = now;
     const double linear = std::max({forcing, 0.1 * tolerance / now, 1e-8});
+    const auto change = it > 0 && now < quiet * previous ? fem::MatrixChange::Small
+                                                         : fem::MatrixChange::Large;
+    previous = now;
     std::vector<double> direction;
-    start = std::chrono::steady_clock::now();
+    const auto start = std::chrono::steady_clock::now();
     std::ranges::transform(r, r.begin(), std::negate<>());
-    const fem::LinearReport solved = discrete.solve(r, linear, direction);
+    const fem::LinearReport solved = discrete.solve(r, linear, change, direction);
     report.seconds_linear += seconds_since(start);
     report.krylov_iterations += solved.iterations;
     report.factorisations += solved.factorised ? 1 : 0;
     ++report.newton_iterations;
-    if (!solved.converged || !line_search(state, direction, target, share, now)) {
+    if (!solved.converged || !line_search(state, direction, target, share, r)) {
       return false;
     }
   }
-  return false;
 }
 
 void Solver::Impl::fail(double load) const {
@@ -214,6 +234,15 @@ Shape Solver::forward(std::span<const Vec3> reference_nodes, const Vec3& gravity
   impl_->report.converged = true;
   impl_->report.seconds_total = seconds_since(start);
   return impl_->finish(std::move(state));
+}
+
+double Solver::misfit(std::span<const Vec3> reference_nodes, const Vec3& gravity,
+                      const Shape& shape) {
+  impl_->discrete.begin(Unknown::Deformed, reference_nodes, gravity);
+  std::vector<double> r;
+  return impl_->discrete.residual({shape.nodes, shape.pressure}, r)
+             ? impl_->discrete.norm(r) / impl_->discrete.load_scale()
+             : std::numeric_limits<double>::infinity();
 }
 
 Shape Solver::inverse(std::span<const Vec3> loaded_nodes, const Vec3& gravity, const Context& ctx) {

@@ -56,6 +56,10 @@ void save_checkpoint(const recovery::Checkpoint& checkpoint, const std::filesyst
   archive.reals["species"] = checkpoint.species;
   archive.reals["nodes"] = flatten(checkpoint.shape.nodes);
   archive.reals["pressure"] = checkpoint.shape.pressure;
+  archive.reals["wound_volume_m3"] = {checkpoint.wound_volume_m3};
+  archive.reals["earlier_nodes"] = flatten(checkpoint.earlier.nodes);
+  archive.reals["earlier_pressure"] = checkpoint.earlier.pressure;
+  archive.reals["earlier_density"] = {checkpoint.earlier_density};
   put_history(checkpoint.history, archive);
   archive.save(file);
 }
@@ -63,8 +67,11 @@ void save_checkpoint(const recovery::Checkpoint& checkpoint, const std::filesyst
 recovery::Checkpoint load_checkpoint(const std::filesystem::path& file) {
   const Archive archive = Archive::load(file);
   return {.t_s = archive.real("t_s").at(0),
+          .wound_volume_m3 = archive.real("wound_volume_m3").at(0),
           .species = archive.real("species"),
           .shape = {unflatten(archive.real("nodes")), archive.real("pressure")},
+          .earlier = {unflatten(archive.real("earlier_nodes")), archive.real("earlier_pressure")},
+          .earlier_density = archive.real("earlier_density").at(0),
           .history = get_history(archive)};
 }
 

@@ -39,9 +39,11 @@ class Recovery {
   Result run(const std::optional<Checkpoint>& resume, const Context& ctx);
 
  private:
-  void solve_mechanics(bool traction, const Context& ctx);
+  void solve_mechanics(bool traction, double density, const Context& ctx);
+  [[nodiscard]] std::optional<mechanics::Shape> predicted(double density) const;
   void operate(const Context& ctx);
-  void continue_from(const Checkpoint& checkpoint, const Context& ctx);
+  void continue_from(const Checkpoint& checkpoint);
+  [[nodiscard]] Checkpoint checkpoint() const;
   void step_to(double t_day, const Context& ctx);
   [[nodiscard]] Measured measure(double eta_mean) const;
   [[nodiscard]] healing::SpeciesRecord record_species() const {
@@ -59,21 +61,52 @@ class Recovery {
   healing::ReactionDiffusion species_;
   mechanics::Solver solver_;
   WoundShape wound_;
-  mechanics::Shape shape_;
+  mechanics::Shape shape_, earlier_;  ///< after the last mechanics step, and after the one before
+  double earlier_density_ = 0.0;
   double volume0_ = 0.0;
   Measured last_{};
   Result result_;
 };
 
-/// Equilibrium with the tissue of the moment, starting from the last one.
-void Recovery::solve_mechanics(bool traction, const Context& ctx) {
+/// Contraction follows the mean cell density (dV/V = -T0 <eta> / (kappa + 4 mu / 3) to first order),
+/// and so does the shape: the last two shapes, continued to the next density.
+std::optional<mechanics::Shape> Recovery::predicted(double density) const {
+  const double last = last_.eta_mean - earlier_density_;
+  if (earlier_.nodes.empty() || std::abs(last) < 1e-12) {
+    return std::nullopt;
+  }
+  const double s = (density - last_.eta_mean) / last;
+  mechanics::Shape next = shape_;
+  for (std::size_t n = 0; n < next.nodes.size(); ++n) {
+    next.nodes[n] += s * (shape_.nodes[n] - earlier_.nodes[n]);
+  }
+  for (std::size_t v = 0; v < next.pressure.size(); ++v) {
+    next.pressure[v] += s * (shape_.pressure[v] - earlier_.pressure[v]);
+  }
+  return next;
+}
+
+/// Equilibrium with the tissue of the moment, from the last one or from the prediction, whichever
+/// is nearer to it. `density`: the mean cell density for which it is.
+void Recovery::solve_mechanics(bool traction, double density, const Context& ctx) {
   healing::WoundMechanics wound = problem_.model->mechanics();
   wound.active_stress = traction ? wound.active_stress : 0.0;
   result_.tissue = healing_tissue(problem_.body->tissue, problem_.wound_fraction,
                                   species_.cell_density(), wound);
   solver_.set_tissue(result_.tissue);
   const double start = now_s();
-  shape_ = solver_.forward(problem_.reference_nodes, problem_.gravity, &shape_, ctx);
+  const auto misfit = [&](const mechanics::Shape& shape) {
+    return solver_.misfit(problem_.reference_nodes, problem_.gravity, shape);
+  };
+  std::optional<mechanics::Shape> guess = predicted(density);
+  if (!guess || !(misfit(*guess) < misfit(shape_))) {
+    guess = shape_;
+  }
+  mechanics::Shape next = solver_.forward(problem_.reference_nodes, problem_.gravity, &*guess, ctx);
+  earlier_ = traction && !result_.history.empty() && last_.volume_ratio < 1.0 ? std::move(shape_)
+                                                                              : mechanics::Shape{};
+  earlier_density_ = last_.eta_mean;
+  shape_ = std::move(next);
   result_.seconds_mechanics += now_s() - start;
   mechanics::accumulate(result_.totals, solver_.last_report());
 }
@@ -106,18 +139,30 @@ Measured Recovery::measure(double eta_mean) const {
 /// Day 0: the excised tissue becomes a fresh wound. Its volume in this equilibrium, before cells
 /// pull, is the V0 of the history.
 void Recovery::operate(const Context& ctx) {
-  during("mechanics at day 0", [&] { solve_mechanics(false, ctx); });
-  volume0_ = wound_.volume(vertices(shape_));
   const healing::SpeciesRecord species = record_species();
+  during("mechanics at day 0", [&] { solve_mechanics(false, species.mean[0], ctx); });
+  volume0_ = wound_.volume(vertices(shape_));
   last_ = measure(species.mean[0]);
   result_.history.push_back({species, last_.volume_ratio, last_.max_displacement_mm,
                              last_.wall_displacement_mm, last_.min_jacobian});
 }
 
-void Recovery::continue_from(const Checkpoint& checkpoint, const Context& ctx) {
-  operate(ctx);  // V0 belongs to day 0: solving it again keeps the checkpoint small and honest
+Checkpoint Recovery::checkpoint() const {
+  return {.t_s = species_.time_s(),
+          .wound_volume_m3 = volume0_,
+          .species = species_.state(),
+          .shape = shape_,
+          .earlier = earlier_,
+          .earlier_density = earlier_density_,
+          .history = result_.history};
+}
+
+void Recovery::continue_from(const Checkpoint& checkpoint) {
   species_.restore(checkpoint.t_s, checkpoint.species);
+  volume0_ = checkpoint.wound_volume_m3;
   shape_ = checkpoint.shape;
+  earlier_ = checkpoint.earlier;
+  earlier_density_ = checkpoint.earlier_density;
   result_.history = checkpoint.history;
   const HistoryRow& row = result_.history.back();
   last_ = {row.species.mean[0], row.volume_ratio, row.max_displacement_mm, row.wall_displacement_mm,
@@ -143,7 +188,7 @@ void Recovery::step_to(double t_day, const Context& ctx) {
   records.push_back(record_species());
   result_.seconds_species += now_s() - start;
   during(fmt::format("mechanics at day {:g}", t_day),
-         [&] { solve_mechanics(true, ctx.part(0.5, 1.0)); });
+         [&] { solve_mechanics(true, records.back().mean[0], ctx.part(0.5, 1.0)); });
   const Measured next = measure(records.back().mean[0]);
   for (const healing::SpeciesRecord& r : records) {
     const double change = next.eta_mean - last_.eta_mean;
@@ -168,7 +213,7 @@ Result Recovery::run(const std::optional<Checkpoint>& resume, const Context& ctx
           "healing needs positive days and mechanics_interval_days, got {:g} and {:g}",
           schedule.days, schedule.mechanics_interval_days);
   if (resume) {
-    continue_from(*resume, ctx.part(0.0, 0.05));
+    continue_from(*resume);
   } else {
     operate(ctx.part(0.0, 0.05));
     observe_(0.0, species_.state(), shape_);
@@ -181,7 +226,7 @@ Result Recovery::run(const std::optional<Checkpoint>& resume, const Context& ctx
     };
     step_to(next, ctx.part(share(t), share(next)));
     observe_(next, species_.state(), shape_);
-    save_({species_.time_s(), species_.state(), shape_, result_.history});
+    save_(checkpoint());
     ctx.at(share(next), fmt::format("day {:g}: wound at {:.1f} % of its volume, cells {:.0f} %",
                                     next, 100.0 * last_.volume_ratio, 100.0 * last_.eta_mean));
   }

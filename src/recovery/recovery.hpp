@@ -31,8 +31,13 @@ struct HistoryRow {
 /// Everything needed to go on after a stop.
 struct Checkpoint {
   double t_s = 0.0;
+  double wound_volume_m3 = 0.0;  ///< V0: after surgery, before cells pull
   std::vector<double> species;
   mechanics::Shape shape;
+  /// The shape of one mechanics step earlier and the mean cell density then (relative), for the
+  /// prediction of the next; empty while there is none.
+  mechanics::Shape earlier;
+  double earlier_density = 0.0;
   std::vector<HistoryRow> history;
 };
 

@@ -1,0 +1,227 @@
+#include "fem/block_matrix.hpp"
+
+#include <algorithm>
+
+#include "fem/petsc_check.hpp"
+#include "fem/session.hpp"
+
+namespace sanatrix::fem {
+
+namespace {
+
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// Pattern by compressed rows, global columns ascending.
+struct Pattern {
+  std::vector<PetscInt> begin{0}, column;
+};
+
+Pattern pattern_of(const Layout& layout, const ElementList& elements,
+                   const std::vector<int>& row_of_node) {
+  std::vector<std::vector<PetscInt>> rows(index(layout.own()));
+  for (int g = layout.own_begin; g < layout.own_end; ++g) {
+    rows[index(g - layout.own_begin)].push_back(g);  // a node without elements keeps its diagonal
+  }
+  for (int e = 0; e < elements.size(); ++e) {
+    const auto nodes = elements.of(e);
+    for (const int a : nodes) {
+      if (const int row = row_of_node[index(a)]; row >= 0) {
+        for (const int b : nodes) {
+          rows[index(row)].push_back(layout.global[index(b)]);
+        }
+      }
+    }
+  }
+  Pattern pattern;
+  for (auto& row : rows) {
+    std::ranges::sort(row);
+    const auto last = std::ranges::unique(row).begin();
+    pattern.column.insert(pattern.column.end(), row.begin(), last);
+    pattern.begin.push_back(static_cast<PetscInt>(pattern.column.size()));
+    std::vector<PetscInt>().swap(row);
+  }
+  return pattern;
+}
+
+}  // namespace
+
+PetscInt BlockRows::find(int row, PetscInt wanted) const {
+  const auto* first = column + begin[row];
+  const auto* last = column + begin[row + 1];
+  const auto* at = std::lower_bound(first, last, wanted);
+  return at != last && *at == wanted ? static_cast<PetscInt>(at - column) : -1;
+}
+
+BlockMatrix::BlockMatrix(const Layout& layout, const ElementList& elements,
+                         std::span<const std::uint8_t> fixed)
+    : layout_(layout),
+      offset_(elements.offset),
+      nodes_(elements.nodes),
+      fixed_(fixed.begin(), fixed.end()),
+      row_of_node_(layout.global.size(), -1) {
+  for (std::size_t n = 0; n < row_of_node_.size(); ++n) {
+    if (layout.owns(static_cast<int>(n))) {
+      row_of_node_[n] = layout.global[n] - layout.own_begin;
+    }
+  }
+  make_pattern(elements);
+  list_slots(elements);
+}
+
+BlockMatrix::~BlockMatrix() {
+  close(local_);
+  close(remote_);
+  MatDestroy(&matrix_);
+}
+
+void BlockMatrix::make_pattern(const ElementList& elements) {
+  const Pattern pattern = pattern_of(layout_, elements, row_of_node_);
+  const PetscInt own = block * layout_.own();
+  const PetscInt all = block * layout_.total;
+  check(MatCreate(PETSC_COMM_WORLD, &matrix_), "creating the matrix");
+  check(MatSetSizes(matrix_, own, own, all, all), "sizing the matrix");
+  check(MatSetBlockSize(matrix_, block), "sizing the matrix");
+  check(MatSetType(matrix_, MATBAIJ), "typing the matrix");
+  const PetscInt* begin = pattern.begin.data();
+  const PetscInt* column = pattern.column.data();
+  if (ranks() == 1) {
+    check(MatSeqBAIJSetPreallocationCSR(matrix_, block, begin, column, nullptr), "laying out");
+    open(matrix_, local_);
+    return;
+  }
+  check(MatMPIBAIJSetPreallocationCSR(matrix_, block, begin, column, nullptr), "laying out");
+  Mat inside = nullptr;
+  Mat outside = nullptr;
+  const PetscInt* columns = nullptr;
+  check(MatMPIBAIJGetSeqBAIJ(matrix_, &inside, &outside, &columns), "reading the matrix");
+  open(inside, local_);
+  open(outside, remote_);
+  PetscInt width = 0;
+  check(MatGetSize(outside, nullptr, &width), "reading the matrix");
+  remote_columns_.assign(columns, columns + width / block);
+}
+
+void BlockMatrix::open(Mat part, BlockRows& rows) {
+  PetscInt n = 0;
+  PetscBool done = PETSC_FALSE;
+  rows.matrix = part;
+  check(MatGetRowIJ(part, 0, PETSC_FALSE, PETSC_TRUE, &n, &rows.begin, &rows.column, &done),
+        "reading the pattern");
+  ensure(done == PETSC_TRUE && n == layout_.own(), "PETSc shows {} block rows, not {}", n,
+         layout_.own());
+  check(MatSeqBAIJGetArray(part, &rows.values), "opening the matrix");
+}
+
+void BlockMatrix::close(BlockRows& rows) {
+  if (rows.matrix != nullptr) {
+    PetscInt n = 0;
+    PetscBool done = PETSC_FALSE;
+    MatSeqBAIJRestoreArray(rows.matrix, &rows.values);
+    MatRestoreRowIJ(rows.matrix, 0, PETSC_FALSE, PETSC_TRUE, &n, &rows.begin, &rows.column, &done);
+  }
+}
+
+void BlockMatrix::list_slots(const ElementList& elements) {
+  diagonal_.resize(index(layout_.own()));
+  for (int r = 0; r < layout_.own(); ++r) {
+    diagonal_[index(r)] = local_.find(r, r);
+  }
+  first_slot_.reserve(index(elements.size()) + 1);
+  for (int e = 0; e < elements.size(); ++e) {
+    first_slot_.push_back(slots_.size());
+    for (const int a : elements.of(e)) {
+      const int row = row_of_node_[index(a)];
+      for (const int b : elements.of(e)) {
+        const int g = layout_.global[index(b)];
+        if (row < 0) {
+          slots_.push_back(-1);
+        } else if (layout_.owns(b)) {
+          slots_.push_back(local_.find(row, g - layout_.own_begin));
+        } else {
+          const auto at = std::ranges::lower_bound(remote_columns_, g) - remote_columns_.begin();
+          slots_.push_back(-2 - remote_.find(row, static_cast<PetscInt>(at)));
+        }
+        if (row >= 0 && (fixed_[index(a)] | fixed_[index(b)]) != 0) {
+          held_.push_back({slots_.back(), fixed_[index(a)], fixed_[index(b)]});
+        }
+      }
+    }
+  }
+  std::ranges::sort(held_, {}, &HeldBlock::slot);
+  const auto repeated = std::ranges::unique(held_, {}, &HeldBlock::slot);
+  held_.erase(repeated.begin(), repeated.end());
+}
+
+void BlockMatrix::clear() {
+  const auto rows = index(layout_.own());
+  std::fill_n(local_.values, 16 * static_cast<std::size_t>(local_.begin[rows]), 0.0);
+  if (remote_.matrix != nullptr) {
+    std::fill_n(remote_.values, 16 * static_cast<std::size_t>(remote_.begin[rows]), 0.0);
+  }
+}
+
+void BlockMatrix::add(int element, int pressures, std::span<const double> values, RowPart part) {
+  const int* nodes = nodes_.data() + offset_[index(element)];
+  const int count = offset_[index(element) + 1] - offset_[index(element)];
+  const int* slots = slots_.data() + first_slot_[index(element)];
+  const int size = 3 * count + pressures;
+  for (int a = 0; a < count; ++a) {
+    const int row = row_of_node_[index(nodes[a])];
+    if (row < part.begin || row >= part.end) {
+      continue;
+    }
+    const double* moves = values.data() + static_cast<std::ptrdiff_t>(3 * a * size);
+    const double* presses = values.data() + static_cast<std::ptrdiff_t>((3 * count + a) * size);
+    for (int b = 0; b < count; ++b) {
+      double* to = slot(slots[a * count + b]);
+      for (int k = 0; k < 3; ++k) {
+        to[4 * k] += moves[3 * b + k];
+        to[4 * k + 1] += moves[size + 3 * b + k];
+        to[4 * k + 2] += moves[2 * size + 3 * b + k];
+      }
+      if (b < pressures) {
+        to[12] += moves[3 * count + b];
+        to[13] += moves[size + 3 * count + b];
+        to[14] += moves[2 * size + 3 * count + b];
+      }
+      if (a < pressures) {
+        for (int k = 0; k < 3; ++k) {
+          to[4 * k + 3] += presses[3 * b + k];
+        }
+        to[15] += b < pressures ? presses[3 * count + b] : 0.0;
+      }
+    }
+  }
+}
+
+void BlockMatrix::add_to_pressure_diagonal(int row, double value) {
+  local_.values[16 * diagonal_[index(row)] + 15] += value;
+}
+
+void BlockMatrix::finish() {
+  for (const HeldBlock& held : held_) {
+    double* values = slot(held.slot);
+    for (int k = 0; k < block; ++k) {
+      for (int i = 0; i < block; ++i) {
+        if ((held.rows >> i & 1) != 0 || (held.columns >> k & 1) != 0) {
+          values[4 * k + i] = 0.0;
+        }
+      }
+    }
+  }
+  for (std::size_t n = 0; n < fixed_.size(); ++n) {
+    if (const int row = row_of_node_[n]; row >= 0) {
+      for (int i = 0; i < block; ++i) {
+        if ((fixed_[n] >> i & 1) != 0) {
+          local_.values[16 * diagonal_[index(row)] + 5 * i] = 1.0;
+        }
+      }
+    }
+  }
+  check(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY), "closing the matrix");
+  check(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY), "closing the matrix");
+}
+
+}  // namespace sanatrix::fem
