@@ -124,9 +124,9 @@ void DiscreteBody::list_elements() {
   }
 }
 
-/// Every thread evaluates all elements that touch its rows and writes nothing else: no barriers, and
-/// sums that do not depend on the number of threads. The elements between two parts are computed
-/// twice.
+/// Every thread evaluates all elements that touch its rows and writes nothing else: no barriers,
+/// and sums that do not depend on the number of threads. The elements between two parts are
+/// computed twice.
 void DiscreteBody::list_parts() {
   parts_.resize(static_cast<std::size_t>(omp_get_max_threads()));
   for (std::size_t p = 0; p < parts_.size(); ++p) {

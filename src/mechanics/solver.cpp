@@ -62,7 +62,8 @@ struct Solver::Impl {
                    const std::vector<double>& target, double share, std::vector<double>& r);
   State follow_load(State state, bool from_rest, const Context& ctx);
   [[noreturn]] void fail(double load) const;
-  Shape finish(State state) { return {std::move(state.nodes), std::move(state.pressure)}; }
+  Shape solve(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity, const Shape* guess,
+              const Context& ctx);
 };
 
 /// R - share * target at the state and, if wanted, the matrix. False when a cell is inverted.
@@ -129,8 +130,8 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
     const double forcing =
         it == 0 ? 1e-2 : std::min(1e-2, 0.9 * (now / previous) * (now / previous));
     const double linear = std::max({forcing, 0.1 * tolerance / now, 1e-8});
-    const auto change = it > 0 && now < quiet * previous ? fem::MatrixChange::Small
-                                                         : fem::MatrixChange::Large;
+    const auto change =
+        it > 0 && now < quiet * previous ? fem::MatrixChange::Small : fem::MatrixChange::Large;
     previous = now;
     std::vector<double> direction;
     const auto start = std::chrono::steady_clock::now();
@@ -217,23 +218,29 @@ void Solver::set_tissue(std::span<const Tissue> tissue) {
   impl_->discrete.set_tissue(tissue);
 }
 
-Shape Solver::forward(std::span<const Vec3> reference_nodes, const Vec3& gravity,
-                      const Shape* guess, const Context& ctx) {
+/// From the guess or from rest.
+Shape Solver::Impl::solve(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity,
+                          const Shape* guess, const Context& ctx) {
   const auto start = std::chrono::steady_clock::now();
-  impl_->report = {};
-  impl_->discrete.begin(Unknown::Deformed, reference_nodes, gravity);
-  State state{{reference_nodes.begin(), reference_nodes.end()},
-              std::vector<double>(impl_->discrete.body().mesh->points.size(), 0.0)};
+  report = {};
+  discrete.begin(unknown, known, gravity);
+  State state{{known.begin(), known.end()},
+              std::vector<double>(discrete.body().mesh->points.size(), 0.0)};
   if (guess != nullptr) {
     state.nodes = guess->nodes;
     if (!guess->pressure.empty()) {
       state.pressure = guess->pressure;
     }
   }
-  state = impl_->follow_load(std::move(state), guess == nullptr, ctx);
-  impl_->report.converged = true;
-  impl_->report.seconds_total = seconds_since(start);
-  return impl_->finish(std::move(state));
+  state = follow_load(std::move(state), guess == nullptr, ctx);
+  report.converged = true;
+  report.seconds_total = seconds_since(start);
+  return {std::move(state.nodes), std::move(state.pressure)};
+}
+
+Shape Solver::forward(std::span<const Vec3> reference_nodes, const Vec3& gravity,
+                      const Shape* guess, const Context& ctx) {
+  return impl_->solve(Unknown::Deformed, reference_nodes, gravity, guess, ctx);
 }
 
 double Solver::misfit(std::span<const Vec3> reference_nodes, const Vec3& gravity,
@@ -246,15 +253,7 @@ double Solver::misfit(std::span<const Vec3> reference_nodes, const Vec3& gravity
 }
 
 Shape Solver::inverse(std::span<const Vec3> loaded_nodes, const Vec3& gravity, const Context& ctx) {
-  const auto start = std::chrono::steady_clock::now();
-  impl_->report = {};
-  impl_->discrete.begin(Unknown::Reference, loaded_nodes, gravity);
-  State state{{loaded_nodes.begin(), loaded_nodes.end()},
-              std::vector<double>(impl_->discrete.body().mesh->points.size(), 0.0)};
-  state = impl_->follow_load(std::move(state), true, ctx);
-  impl_->report.converged = true;
-  impl_->report.seconds_total = seconds_since(start);
-  return impl_->finish(std::move(state));
+  return impl_->solve(Unknown::Reference, loaded_nodes, gravity, nullptr, ctx);
 }
 
 const SolveReport& Solver::last_report() const {

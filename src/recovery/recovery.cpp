@@ -68,8 +68,8 @@ class Recovery {
   Result result_;
 };
 
-/// Contraction follows the mean cell density (dV/V = -T0 <eta> / (kappa + 4 mu / 3) to first order),
-/// and so does the shape: the last two shapes, continued to the next density.
+/// Contraction follows the mean cell density (dV/V = -T0 <eta> / (kappa + 4 mu / 3) to first
+/// order), and so does the shape: the last two shapes, continued to the next density.
 std::optional<mechanics::Shape> Recovery::predicted(double density) const {
   const double last = last_.eta_mean - earlier_density_;
   if (earlier_.nodes.empty() || std::abs(last) < 1e-12) {
