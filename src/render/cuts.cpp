@@ -6,16 +6,16 @@
 #include <vtkClipPolyData.h>
 #include <vtkCutter.h>
 #include <vtkDoubleArray.h>
-#include <vtkGeometryFilter.h>
 #include <vtkLookupTable.h>
 #include <vtkNew.h>
 #include <vtkPlane.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
-#include <vtkPolyDataNormals.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
 
 #include "core/error.hpp"
@@ -63,25 +63,55 @@ void add_cut_face(vtkRenderer& scene, vtkUnstructuredGrid& grid, vtkPlane& plane
   scene.AddActor(prop);
 }
 
-void add_rest(vtkRenderer& scene, vtkUnstructuredGrid& grid, vtkPlane& plane) {
-  vtkNew<vtkGeometryFilter> boundary;
-  boundary->SetInputData(&grid);
-  vtkNew<vtkPolyDataNormals> normals;
-  normals->SetInputConnection(boundary->GetOutputPort());
-  normals->SplittingOff();
-  vtkNew<vtkClipPolyData> behind;
-  behind->SetInputConnection(normals->GetOutputPort());
-  behind->SetClipFunction(&plane);
-  behind->InsideOutOn();  // the plane's normal points to the viewer
-  vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputConnection(behind->GetOutputPort());
-  mapper->ScalarVisibilityOff();
-  vtkNew<vtkActor> prop;
-  prop->SetMapper(mapper);
-  prop->GetProperty()->SetColor(0.83, 0.66, 0.56);
-  prop->GetProperty()->SetOpacity(0.3);
-  scene.AddActor(prop);
-}
+/// The boundary of the mesh behind the cut. Panels of the same moment share it.
+class Rest {
+ public:
+  explicit Rest(const CutPanel& panel, vtkPlane& plane)
+      : panel_(&panel), surface_{panel.points, boundary_of(*panel.mesh)} {
+    vtkNew<vtkPoints> points;
+    vtkNew<vtkDoubleArray> normals;
+    normals->SetNumberOfComponents(3);
+    for (const Vec3& p : surface_.points) {
+      points->InsertNextPoint(p.data());
+    }
+    for (const Vec3& n : vertex_normals(surface_)) {
+      normals->InsertNextTuple(n.data());
+    }
+    vtkNew<vtkCellArray> triangles;
+    for (const auto& [a, b, c] : surface_.triangles) {
+      triangles->InsertNextCell({a, b, c});
+    }
+    vtkNew<vtkPolyData> data;
+    data->SetPoints(points);
+    data->SetPolys(triangles);
+    data->GetPointData()->SetNormals(normals);
+    vtkNew<vtkClipPolyData> behind;
+    behind->SetInputData(data);
+    behind->SetClipFunction(&plane);
+    behind->InsideOutOn();  // the plane's normal points to the viewer
+    behind->Update();
+    clipped_ = behind->GetOutput();
+  }
+  [[nodiscard]] bool serves(const CutPanel& panel) const {
+    return panel.mesh == panel_->mesh && panel.plane_point == panel_->plane_point &&
+           panel.plane_normal == panel_->plane_normal && panel.points == panel_->points;
+  }
+  void add_to(vtkRenderer& scene) const {
+    vtkNew<vtkPolyDataMapper> mapper;
+    mapper->SetInputData(clipped_);
+    vtkNew<vtkActor> prop;
+    prop->SetMapper(mapper);
+    prop->GetProperty()->SetColor(0.83, 0.66, 0.56);
+    prop->GetProperty()->SetOpacity(0.3);
+    prop->GetProperty()->FrontfaceCullingOn();  // what is behind the cut is seen from inside
+    scene.AddActor(prop);
+  }
+
+ private:
+  const CutPanel* panel_;
+  TriMesh surface_;
+  vtkSmartPointer<vtkPolyData> clipped_;
+};
 
 }  // namespace
 
@@ -89,7 +119,8 @@ void write_cuts(const std::vector<CutPanel>& panels, int columns, const std::fil
                 int panel_width, int panel_height) {
   const bool with_bars = std::any_of(panels.begin(), panels.end(),
                                      [](const CutPanel& p) { return !p.bar_title.empty(); });
-  Sheet sheet(panels.size(), columns, panel_width, panel_height, with_bars);
+  Sheet sheet(panels.size(), columns, panel_width, panel_height, with_bars, Overlap::AsTheyCome);
+  std::vector<Rest> rests;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const CutPanel& panel = panels[i];
     const Viewpoint viewpoint = viewpoint_of_cut(panel.plane_normal);
@@ -99,7 +130,10 @@ void write_cuts(const std::vector<CutPanel>& panels, int columns, const std::fil
     plane->SetNormal(viewpoint.towards_viewer.data());
     const auto colours = lookup_table(Map::Sequential, panel.bar_min, panel.bar_max);
     add_cut_face(sheet.scene(i), *grid, *plane, *colours);
-    add_rest(sheet.scene(i), *grid, *plane);
+    const auto known =
+        std::find_if(rests.begin(), rests.end(), [&](const Rest& r) { return r.serves(panel); });
+    const Rest& rest = known != rests.end() ? *known : rests.emplace_back(panel, *plane);
+    rest.add_to(sheet.scene(i));
     sheet.describe(i, viewpoint, {panel.title, panel.bar_title}, *colours);
   }
   sheet.save(file);

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <string_view>
 
 #include <fcntl.h>
@@ -175,9 +176,33 @@ std::string one_line(std::string text) {
   return text;
 }
 
+/// A child process that draws its share of the work.
+class Painter {
+ public:
+  Painter(const std::function<void()>& work, const std::string& display)
+      : child_([&] { draw(work, display, report_); }) {
+    report_.close_writing();
+  }
+  /// Waits for the end; why it did not succeed, or nothing.
+  std::optional<std::string> problem() {
+    const auto said = read_until_closed(report_.reading(), draw_limit);
+    if (!said) {
+      return fmt::format("drawing took more than {} s", draw_limit.count());
+    }
+    if (!child_.exited_within(seconds{5}) || !child_.succeeded()) {
+      return "the graphics stack failed: " + (said->empty() ? child_.end() : one_line(*said));
+    }
+    return std::nullopt;
+  }
+
+ private:
+  Pipe report_;
+  Child child_;
+};
+
 }  // namespace
 
-std::optional<std::string> with_display(const std::function<void()>& work) {
+std::optional<std::string> with_display(const std::vector<std::function<void()>>& shares) {
   Pipe number;
   Child xvfb([&] { become_xvfb(number); });
   number.close_writing();
@@ -185,20 +210,23 @@ std::optional<std::string> with_display(const std::function<void()>& work) {
   if (!display || display->empty()) {
     return "no off-screen display could be started - install Xvfb (Debian package xvfb)";
   }
-  Pipe report;
-  Child painter([&] {
-    draw(work, fmt::format(":{}", std::string_view(*display).substr(0, display->size() - 1)),
-         report);
-  });
-  report.close_writing();
-  const auto said = read_until_closed(report.reading(), draw_limit);
-  if (!said) {
-    return fmt::format("drawing took more than {} s", draw_limit.count());
+  const std::string name =
+      fmt::format(":{}", std::string_view(*display).substr(0, display->size() - 1));
+  std::vector<std::unique_ptr<Painter>> painters;
+  for (const auto& share : shares) {
+    painters.push_back(std::make_unique<Painter>(share, name));
   }
-  if (!painter.exited_within(seconds{5}) || !painter.succeeded()) {
-    return "the graphics stack failed: " + (said->empty() ? painter.end() : one_line(*said));
+  std::optional<std::string> first_problem;
+  for (const auto& painter : painters) {
+    if (const auto problem = painter->problem(); problem && !first_problem) {
+      first_problem = problem;
+    }
   }
-  return std::nullopt;
+  return first_problem;
+}
+
+std::optional<std::string> with_display(const std::function<void()>& work) {
+  return with_display(std::vector{work});
 }
 
 }  // namespace sanatrix::render

@@ -159,7 +159,12 @@ void write_picture(const std::vector<Panel>& panels, int columns, const std::fil
                    int panel_width, int panel_height) {
   const bool with_bars = std::any_of(panels.begin(), panels.end(),
                                      [](const Panel& p) { return !p.bar_title.empty(); });
-  Sheet sheet(panels.size(), columns, panel_width, panel_height, with_bars);
+  const bool translucent = std::any_of(panels.begin(), panels.end(), [](const Panel& p) {
+    return std::any_of(p.actors.begin(), p.actors.end(),
+                       [](const Actor& a) { return a.opacity < 1.0; });
+  });
+  Sheet sheet(panels.size(), columns, panel_width, panel_height, with_bars,
+              translucent ? Overlap::Sorted : Overlap::AsTheyCome);
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const Panel& panel = panels[i];
     const auto colours = lookup_table(panel.diverging ? Map::Diverging : Map::Sequential,

@@ -23,6 +23,7 @@ void write_png(vtkRenderWindow& window, const std::filesystem::path& file) {
   pixels->ReadFrontBufferOff();
   vtkNew<vtkPNGWriter> writer;
   writer->SetInputConnection(pixels->GetOutputPort());
+  writer->SetCompressionLevel(1);  // a third of the time of VTK's 5 for a fifth more bytes
   writer->WriteToMemoryOn();
   writer->Write();
   vtkUnsignedCharArray& bytes = *writer->GetResult();

@@ -16,6 +16,8 @@ namespace sanatrix::render {
 /// graphics stack never ends the caller. Returns the reason when no picture could be made, else
 /// nothing.
 std::optional<std::string> with_display(const std::function<void()>& work);
+/// The same with several child processes at once, each with a share of the work, on one display.
+std::optional<std::string> with_display(const std::vector<std::function<void()>>& shares);
 
 /// From where one looks at the patient, superior up; Below is a radiologist's axial view: from the
 /// feet, anterior up. In Front the patient's left is on the right hand of the picture.

@@ -128,7 +128,8 @@ vtkSmartPointer<vtkRenderer> add_renderer(vtkRenderWindow& window, double x0, do
 
 }  // namespace
 
-Sheet::Sheet(std::size_t panels, int columns, int width, int height, bool with_bars)
+Sheet::Sheet(std::size_t panels, int columns, int width, int height, bool with_bars,
+             Overlap overlap)
     : scene_width_(width),
       scene_height_(static_cast<int>(height * (with_bars ? 1 - legend_share : 1.0))),
       font_size_(std::max(13, height / 34)),
@@ -147,8 +148,8 @@ Sheet::Sheet(std::size_t panels, int columns, int width, int height, bool with_b
     const double split = with_bars ? y0 + legend_share / rows : y0;
     PanelView panel;
     panel.scene = add_renderer(*window_, x0, split, x1, y1);
-    panel.scene->SetUseDepthPeeling(1);
-    panel.scene->SetMaximumNumberOfPeels(8);
+    panel.scene->SetUseDepthPeeling(overlap == Overlap::Sorted);
+    panel.scene->SetMaximumNumberOfPeels(4);  // front and back of a skin around something
     panel.scene->SetUseFXAA(true);
     add_light(*panel.scene);
     if (with_bars) {

@@ -21,10 +21,14 @@ struct PanelText {
   std::string bar_title;  ///< empty: no colour bar
 };
 
+/// Translucent surfaces behind each other: sorted by depth, which draws the scene several times, or
+/// drawn as they come, which is right when at most one of them lies in front of everything else.
+enum class Overlap { Sorted, AsTheyCome };
+
 class Sheet {
  public:
   /// Width and height of one panel in pixels.
-  Sheet(std::size_t panels, int columns, int width, int height, bool with_bars);
+  Sheet(std::size_t panels, int columns, int width, int height, bool with_bars, Overlap overlap);
   ~Sheet();
   Sheet(const Sheet&) = delete;
   Sheet& operator=(const Sheet&) = delete;
