@@ -6,6 +6,7 @@
 #include <mpi.h>
 
 #include "core/error.hpp"
+#include "mechanics/dead_loads.hpp"
 #include "mechanics/mooney_rivlin.hpp"
 #include "mechanics/shape_functions.hpp"
 
@@ -151,6 +152,50 @@ void DiscreteBody::begin(Unknown unknown, std::span<const Vec3> known, const Vec
   pressure_scale_ = mu / h;
   const double own = 1e-3 * mu * h * h * std::sqrt(n);
   load_scale_ = std::max(sanatrix::norm(gravity_) * mass / std::sqrt(n), own);
+  if (body_.loads.any()) {
+    begin_dead_loads();
+  }
+}
+
+void DiscreteBody::begin_dead_loads() {
+  require(unknown_ == Unknown::Deformed, "dead loads belong to forward problems only");
+  const auto& prescribed = body_.loads.prescribed;
+  ensure(prescribed.empty() || prescribed.size() == node_count_,
+         "{} prescribed displacements for {} nodes", prescribed.size(), node_count_);
+  dead_force_.assign(index(layout_.dofs), 0.0);
+  const std::vector<Vec3> force = dead_forces(body_, edges_, known_);
+  for (std::size_t n = 0; n < node_count_; ++n) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      dead_force_[index(layout_.first_dof[n]) + i] = force[n][i];
+    }
+  }
+  for (const int d : fixed_dofs_) {
+    dead_force_[index(d)] = 0.0;
+  }
+  load_scale_ = std::max(load_scale_, norm(dead_force_));
+}
+
+void DiscreteBody::subtract_dead_forces(std::vector<double>& r) const {
+  for (std::size_t i = 0; i < dead_force_.size(); ++i) {
+    r[i] -= dead_force_[i];
+  }
+}
+
+void DiscreteBody::place_supports(State& state) const {
+  if (body_.loads.prescribed.empty()) {
+    return;
+  }
+  std::vector<bool> held(index(layout_.dofs), false);
+  for (const int d : fixed_dofs_) {
+    held[index(d)] = true;
+  }
+  for (std::size_t n = 0; n < node_count_; ++n) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (held[index(layout_.first_dof[n]) + i]) {
+        state.nodes[n][i] = known_[n][i] + body_.loads.prescribed[n][i];
+      }
+    }
+  }
 }
 
 template <std::size_t CellNodes, std::size_t FaceNodes>
@@ -216,6 +261,7 @@ bool DiscreteBody::residual(const State& state, std::vector<double>& r) {
     return false;
   }
   system().assemble_vector(r);
+  subtract_dead_forces(r);
   return true;
 }
 
@@ -224,6 +270,7 @@ bool DiscreteBody::residual_and_matrix(const State& state, std::vector<double>& 
     return false;
   }
   system().assemble_vector(r);
+  subtract_dead_forces(r);
   system().assemble_matrix();
   return true;
 }

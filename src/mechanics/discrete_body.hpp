@@ -34,6 +34,8 @@ class DiscreteBody {
 
   /// Chooses direction, known shape and gravity for the following evaluations.
   void begin(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity);
+  /// Puts held nodes where the body's loads prescribe them (with respect to the known shape).
+  void place_supports(State& state) const;
   /// R(state), complete on every rank; fixed unknowns have zero. False when a cell is inverted
   /// (worst() names it).
   bool residual(const State& state, std::vector<double>& r);
@@ -46,8 +48,8 @@ class DiscreteBody {
   [[nodiscard]] State moved(const State& state, std::span<const double> d, double alpha) const;
   /// Euclidean norm with pressure rows [m3] scaled to forces [N] by a typical mu/h.
   [[nodiscard]] double norm(std::span<const double> r) const;
-  /// What that norm is compared with: the norm of the gravity load, or a small force of the body's
-  /// own stiffness where there is no gravity. [N]
+  /// What that norm is compared with: the norm of gravity and dead loads, or a small force of the
+  /// body's own stiffness where there is no gravity. [N]
   [[nodiscard]] double load_scale() const { return load_scale_; }
   [[nodiscard]] const Worst& worst() const { return worst_; }
   /// Mean det F over the quadrature points of every cell.
@@ -61,6 +63,8 @@ class DiscreteBody {
   [[nodiscard]] int node_of_cell(std::size_t cell, std::size_t local) const;
   [[nodiscard]] int node_of_face(std::size_t face, std::size_t local) const;
   void list_elements();
+  void begin_dead_loads();
+  void subtract_dead_forces(std::vector<double>& r) const;
   [[nodiscard]] fem::SparseSystem& system();
 
   Body body_;
@@ -75,6 +79,7 @@ class DiscreteBody {
   std::unique_ptr<fem::SparseSystem> forward_, inverse_;
   Unknown unknown_ = Unknown::Deformed;
   std::vector<Vec3> known_;
+  std::vector<double> dead_force_;  ///< per unknown, zero where held; empty: no dead loads
   Vec3 gravity_{};
   double pressure_scale_ = 1.0, load_scale_ = 1.0;
   Worst worst_;

@@ -210,6 +210,7 @@ Shape Solver::forward(std::span<const Vec3> reference_nodes, const Vec3& gravity
       state.pressure = guess->pressure;
     }
   }
+  impl_->discrete.place_supports(state);
   state = impl_->follow_load(std::move(state), guess == nullptr, ctx);
   impl_->report.converged = true;
   impl_->report.seconds_total = seconds_since(start);
