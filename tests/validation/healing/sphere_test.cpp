@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/structured_mesh.hpp"
 #include "healing/reaction_diffusion.hpp"
 #include "shared_data.hpp"
-#include "unit/healing/meshes.hpp"
 
 namespace sanatrix::healing {
 namespace {
@@ -66,9 +66,8 @@ double time_of(const Columns& c, const std::string& name, double level) {
 /// 90 days of a spherical wound in a ball of three times its radius, restarted every 6 days as
 /// recovery does, recorded every half day.
 Columns history(const std::string& preset, double radius, int layers) {
-  const TetMesh mesh =
-      testing::ball_octant(testing::graded_radii(radius, layers, 3.0 * radius, 1.4));
-  const auto fraction = testing::wound_where(mesh, [=](const Vec3& p) { return norm(p) < radius; });
+  const TetMesh mesh = ball_octant(graded_radii(radius, layers, 3.0 * radius, 1.4));
+  const auto fraction = cells_where(mesh, [=](const Vec3& p) { return norm(p) < radius; });
   const auto model = make_model(preset, std::vector<std::string>{"zeta_init=0"});
   ReactionDiffusion rd(mesh, mesh.points, fraction, *model, {});
   Silent silent;

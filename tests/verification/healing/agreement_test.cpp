@@ -10,8 +10,8 @@
 
 #include "core/archive.hpp"
 #include "fem/session.hpp"
+#include "geometry/structured_mesh.hpp"
 #include "healing/reaction_diffusion.hpp"
-#include "unit/healing/meshes.hpp"
 
 namespace sanatrix::healing {
 namespace {
@@ -20,9 +20,8 @@ constexpr double day = 86400.0;
 
 /// The octant of a wound of 10 mm radius in a ball of 30 mm.
 struct ABall : ::testing::Test {
-  TetMesh mesh = testing::ball_octant(testing::graded_radii(0.010, 5, 0.030, 1.4));
-  std::vector<double> fraction =
-      testing::wound_where(mesh, [](const Vec3& p) { return norm(p) < 0.010; });
+  TetMesh mesh = ball_octant(graded_radii(0.010, 5, 0.030, 1.4));
+  std::vector<double> fraction = cells_where(mesh, [](const Vec3& p) { return norm(p) < 0.010; });
   std::unique_ptr<Model> model = make_model("vavourakis2016");
   Silent silent;
   Context ctx{"heal", silent};

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/structured_mesh.hpp"
 #include "healing/reaction_diffusion.hpp"
-#include "unit/healing/meshes.hpp"
 
 namespace sanatrix::healing {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 constexpr double day = 86400.0;
 
 TEST(HealthyTissue, StaysHealthyToRoundOffForAllPresets) {
-  const TetMesh mesh = testing::bar(6, 0.012, 0.002);
+  const TetMesh mesh = bar(6, 0.012, 0.002);
   const std::vector<double> no_wound(mesh.cells.size(), 0.0);
   Silent silent;
   for (const auto& preset : preset_names()) {
@@ -27,7 +27,7 @@ TEST(HealthyTissue, StaysHealthyToRoundOffForAllPresets) {
 }
 
 TEST(HealthyTissue, DipsWhenTheRegulatorStartsAtZero) {
-  const TetMesh mesh = testing::bar(2, 0.004, 0.002);
+  const TetMesh mesh = bar(2, 0.004, 0.002);
   const std::vector<double> no_wound(mesh.cells.size(), 0.0);
   const auto model =
       make_model("vavourakis2016", std::vector<std::string>{"healthy_clamp=0", "zeta_init=0"});

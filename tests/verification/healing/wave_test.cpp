@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/structured_mesh.hpp"
 #include "healing/adapter.hpp"
 #include "healing/reaction_diffusion.hpp"
-#include "unit/healing/meshes.hpp"
 
 namespace sanatrix::healing {
 namespace {
@@ -57,7 +57,7 @@ struct SherrattMurray {
 
 /// Error of the first decaying cosine on a unit bar of n boxes after half its decay time.
 double decay_error(int n) {
-  const TetMesh mesh = testing::lattice({n, 2, 2}, [n](int i, int j, int k) {
+  const TetMesh mesh = lattice({n, 2, 2}, [n](int i, int j, int k) {
     return Vec3{1.0 * i / n, 0.5 * j / n, 0.5 * k / n};
   });
   const auto model = adapt("decay", "", Fisher{.diffusivity = 1.0, .growth = 0.0});
@@ -103,7 +103,7 @@ TEST(AFisherWave, TravelsAtTheSpeedOfTheLattice) {
   // the lattice slows the wave measurably, and thin, so that the bar acts as a line.
   const double h = 1.5;
   const int boxes = 140;
-  const TetMesh mesh = testing::bar(boxes, boxes * h, 0.05);
+  const TetMesh mesh = bar(boxes, boxes * h, 0.05);
   const auto model = adapt("fisher", "", Fisher{.diffusivity = 1.0, .growth = 1.0});
   // The tolerance has to be tiny: the front is pulled by what lies far ahead of it.
   ReactionDiffusion rd(mesh, mesh.points, std::vector<double>(mesh.cells.size(), 1.0), *model,
@@ -157,7 +157,7 @@ TEST_P(ACircularWound, ClosesAsComputedForTheDisc) {
   // A wedge with its tip cut off at 2 % of the radius; the outermost ring is healthy.
   const int rings = 245;
   const double step = 0.004, tip = 0.02, angle = 0.2;
-  const TetMesh mesh = testing::lattice({rings + 1, 1, 1}, [=](int i, int j, int k) {
+  const TetMesh mesh = lattice({rings + 1, 1, 1}, [=](int i, int j, int k) {
     const double r = tip + step * i;
     return Vec3{r * std::cos(angle * j), r * std::sin(angle * j), 0.1 * k};
   });
