@@ -93,7 +93,7 @@ double stabilising_shear(const Tissue& t) {
 /// needs none.
 template <std::size_t Nodes>
 double own_bulk(const Tissue& t) {
-  return Nodes == 4 ? std::min(2.0 * stabilising_shear(t), 0.02 * t.kappa) : 0.0;
+  return Nodes == 4 ? own_bulk_modulus(t) : 0.0;
 }
 
 /// gamma/2 (J - 1/J) and its derivative: gamma (J - 1) near rest, without bound towards J = 0.
@@ -298,6 +298,10 @@ std::span<const QuadraturePoint<4>> rule() {
 }
 
 }  // namespace
+
+double own_bulk_modulus(const Tissue& tissue) {
+  return std::min(2.0 * stabilising_shear(tissue), 0.02 * tissue.kappa);
+}
 
 template <std::size_t Nodes>
 double cell_element(const CellInput& in, std::span<double> residual, std::span<double> matrix) {

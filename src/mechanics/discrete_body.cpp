@@ -8,6 +8,7 @@
 #include <omp.h>
 
 #include "core/error.hpp"
+#include "mechanics/dead_loads.hpp"
 #include "mechanics/mooney_rivlin.hpp"
 #include "mechanics/shape_functions.hpp"
 
@@ -159,6 +160,43 @@ void DiscreteBody::begin(Unknown unknown, std::span<const Vec3> known, const Vec
   if (body_.element == Element::P2P1) {
     system_->set_pressure_mass(pressure_mass());
   }
+  if (body_.loads.any()) {
+    begin_dead_loads();
+  }
+}
+
+void DiscreteBody::begin_dead_loads() {
+  require(unknown_ == Unknown::Deformed, "dead loads belong to forward problems only");
+  const auto& prescribed = body_.loads.prescribed;
+  ensure(prescribed.empty() || prescribed.size() == node_count_,
+         "{} prescribed displacements for {} nodes", prescribed.size(), node_count_);
+  const std::vector<Vec3> force = dead_forces(body_, edges_, known_);
+  dead_force_.assign(fem::block * node_count_, 0.0);
+  for (std::size_t n = 0; n < node_count_; ++n) {
+    for (std::size_t i = 0; i < 3 && layout_.owns(static_cast<int>(n)); ++i) {
+      dead_force_[fem::block * n + i] = (fixed_[n] >> i & 1) != 0 ? 0.0 : force[n][i];
+    }
+  }
+  load_scale_ = std::max(load_scale_, norm(dead_force_));
+}
+
+void DiscreteBody::subtract_dead_forces(std::vector<double>& r) const {
+  for (std::size_t i = 0; i < dead_force_.size(); ++i) {
+    r[i] -= dead_force_[i];
+  }
+}
+
+void DiscreteBody::place_supports(State& state) const {
+  if (body_.loads.prescribed.empty()) {
+    return;
+  }
+  for (std::size_t n = 0; n < node_count_; ++n) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if ((fixed_[n] >> i & 1) != 0) {
+        state.nodes[n][i] = known_[n][i] + body_.loads.prescribed[n][i];
+      }
+    }
+  }
 }
 
 /// Typical sizes of a force and of a pressure residual, from the whole body.
@@ -287,6 +325,7 @@ bool DiscreteBody::residual(const State& state, std::vector<double>& r) {
     return false;
   }
   r = system_->vector();
+  subtract_dead_forces(r);
   return true;
 }
 
@@ -295,6 +334,7 @@ bool DiscreteBody::residual_and_matrix(const State& state, std::vector<double>& 
     return false;
   }
   r = system_->vector();
+  subtract_dead_forces(r);
   system_->finish_matrix();
   return true;
 }

@@ -34,6 +34,8 @@ class DiscreteBody {
 
   /// Chooses direction, known shape and gravity for the following evaluations.
   void begin(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity);
+  /// Puts held nodes where the body's loads prescribe them (with respect to the known shape).
+  void place_supports(State& state) const;
   /// R(state), `fem::block` values per node, zero for fixed unknowns and for nodes of other ranks.
   /// False when a cell is inverted (worst() names it).
   bool residual(const State& state, std::vector<double>& r);
@@ -46,8 +48,8 @@ class DiscreteBody {
   [[nodiscard]] State moved(const State& state, std::span<const double> d, double alpha) const;
   /// Euclidean norm with pressure rows [m3] scaled to forces [N] by a typical mu/h.
   [[nodiscard]] double norm(std::span<const double> r) const;
-  /// What that norm is compared with: the norm of the gravity load, or a small force of the body's
-  /// own stiffness where there is no gravity. [N]
+  /// What that norm is compared with: the norm of gravity and dead loads, or a small force of the
+  /// body's own stiffness where there is no gravity. [N]
   [[nodiscard]] double load_scale() const { return load_scale_; }
   [[nodiscard]] const Worst& worst() const { return worst_; }
   /// Mean det F over the quadrature points of every cell.
@@ -74,6 +76,8 @@ class DiscreteBody {
   void list_elements();
   void list_parts();
   void set_scales();
+  void begin_dead_loads();
+  void subtract_dead_forces(std::vector<double>& r) const;
   [[nodiscard]] bool is_mine(std::span<const int> nodes) const;
   [[nodiscard]] std::vector<double> pressure_mass() const;
 
@@ -89,6 +93,7 @@ class DiscreteBody {
   std::unique_ptr<fem::SparseSystem> system_;
   Unknown unknown_ = Unknown::Deformed;
   std::vector<Vec3> known_;
+  std::vector<double> dead_force_;  ///< per unknown, zero where held; empty: no dead loads
   Vec3 gravity_{};
   double pressure_scale_ = 1.0, load_scale_ = 1.0;
   Worst worst_;

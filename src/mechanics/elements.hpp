@@ -34,8 +34,13 @@ struct CellInput {
 /// Unknowns: displacement node-major xyz, then 4 pressures. residual: 3 Nodes + 4; matrix: its
 /// square, row-major, or empty. Returns the smallest det F; when it is not positive the outputs are
 /// not written.
+/// A P1/P1 cell answers with its own share of the bulk modulus (below), so that the nodal pressure
+/// is (kappa - share) (J - 1) + T.
 template <std::size_t Nodes>
 double cell_element(const CellInput& in, std::span<double> residual, std::span<double> matrix);
+
+/// That share [Pa]; ADR 3.
+double own_bulk_modulus(const Tissue& tissue);
 
 struct FaceInput {
   Unknown unknown;

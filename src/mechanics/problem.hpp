@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -15,6 +16,16 @@
 namespace sanatrix::mechanics {
 
 enum class Element { P1P1, P2P1 };  ///< P1/P1 with pressure projection; Taylor-Hood
+
+/// Dead loads and moved supports beside gravity: what verification needs. Forward problems only.
+/// Forces are given per reference volume and area and do not follow the deformation.
+struct Loads {
+  std::function<Vec3(const Vec3& X)> body_force;  ///< [N/m3]; empty: none
+  std::vector<BoundaryFace> traction_faces;       ///< any order; `name` is not used
+  std::function<Vec3(const Vec3& X)> traction;    ///< [Pa] on them; empty: none
+  std::vector<Vec3> prescribed;  ///< displacement per node where it is held [m]; empty: zero
+  [[nodiscard]] bool any() const { return body_force || traction || !prescribed.empty(); }
+};
 
 /// A body: topology, tissue per cell, skin per face, supports. Shapes are given to the solver
 /// apart.
@@ -29,6 +40,7 @@ struct Body {
   std::vector<SkinFace> skin_faces;
   std::vector<Skin> skins;
   std::vector<std::uint8_t> fixed;  ///< per vertex: bit 0 x, bit 1 y, bit 2 z held at 0
+  Loads loads;
 };
 
 /// Node positions of the element: vertices first, then (P2) one node per edge in `edges` order.
@@ -72,13 +84,15 @@ class Solver {
   void set_tissue(std::span<const Tissue> tissue);
 
   /// Loaded shape of a body with this stress-free reference. `guess` may be empty. Load is stepped
-  /// from the guess's equilibrium (or rest) and halved on failure. Throws Error{Numerics} naming
+  /// from the guess's equilibrium (or rest) and halved on failure; held nodes start where the loads
+  /// prescribe them. Throws Error{Numerics} naming
   /// cell, region, load fraction and min J when it fails at the smallest step.
   Shape forward(std::span<const Vec3> reference_nodes, const Vec3& gravity, const Shape* guess,
                 const Context& ctx);
   /// Scaled residual of a shape under gravity: 0 in equilibrium, infinite where a cell is inverted.
   double misfit(std::span<const Vec3> reference_nodes, const Vec3& gravity, const Shape& shape);
-  /// Stress-free reference of a body whose loaded shape is known.
+  /// Stress-free reference of a body whose loaded shape is known. Error{Input} for a body with
+  /// `loads`.
   Shape inverse(std::span<const Vec3> loaded_nodes, const Vec3& gravity, const Context& ctx);
   [[nodiscard]] const SolveReport& last_report() const;
 

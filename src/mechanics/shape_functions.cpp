@@ -14,6 +14,26 @@ std::array<QuadraturePoint<4>, 4> make_tet_degree2() {
   return points;
 }
 
+std::array<QuadraturePoint<4>, 14> make_tet_degree5() {
+  std::array<QuadraturePoint<4>, 14> points{};
+  std::size_t n = 0;
+  constexpr double a1 = 0.31088591926330060980, w1 = 0.11268792571801585080;
+  constexpr double a2 = 0.092735250310891226402, w2 = 0.073493043116361949544;
+  for (const auto& [a, w] : {std::array{a1, w1}, std::array{a2, w2}}) {
+    for (std::size_t v = 0; v < 4; ++v) {
+      points[n] = {{a, a, a, a}, w};
+      points[n++].lambda[v] = 1.0 - 3.0 * a;
+    }
+  }
+  constexpr double a3 = 0.045503704125649649492, w3 = 0.042546020777081466438;
+  for (const auto& [i, j] : fem::EdgeTable::local) {
+    points[n] = {{a3, a3, a3, a3}, w3};
+    points[n].lambda[static_cast<std::size_t>(i)] = 0.5 - a3;
+    points[n++].lambda[static_cast<std::size_t>(j)] = 0.5 - a3;
+  }
+  return points;
+}
+
 std::array<QuadraturePoint<3>, 6> make_triangle_degree4() {
   std::array<QuadraturePoint<3>, 6> points{};
   std::size_t n = 0;
@@ -37,6 +57,11 @@ constexpr double barycentric_derivative(std::size_t v, std::size_t along) {
 
 std::span<const QuadraturePoint<4>> tet_degree2() {
   static const auto points = make_tet_degree2();
+  return points;
+}
+
+std::span<const QuadraturePoint<4>> tet_degree5() {
+  static const auto points = make_tet_degree5();
   return points;
 }
 

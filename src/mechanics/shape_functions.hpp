@@ -22,6 +22,8 @@ inline constexpr std::array<QuadraturePoint<4>, 1> tet_centroid{{{{0.25, 0.25, 0
 /// Exact for degree 2, 4 points: what the gradients of quadratic elements need (as C3D10 does; 14
 /// points of degree 5 changed the hemisphere's apex by less than 0.1 % at three times the cost).
 std::span<const QuadraturePoint<4>> tet_degree2();
+/// Exact for degree 5, 14 points (Walkington 2000), for given functions of the position.
+std::span<const QuadraturePoint<4>> tet_degree5();
 inline constexpr std::array<QuadraturePoint<3>, 1> triangle_centroid{
     {{{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}, 1.0}}};
 /// Exact for degree 4, 6 points (Dunavant 1985, doi:10.1002/nme.1620210612).

@@ -232,6 +232,7 @@ Shape Solver::Impl::solve(Unknown unknown, std::span<const Vec3> known, const Ve
       state.pressure = guess->pressure;
     }
   }
+  discrete.place_supports(state);
   state = follow_load(std::move(state), guess == nullptr, ctx);
   report.converged = true;
   report.seconds_total = seconds_since(start);

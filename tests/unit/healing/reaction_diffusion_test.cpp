@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.hpp"
-#include "unit/healing/meshes.hpp"
+#include "geometry/structured_mesh.hpp"
 
 namespace sanatrix::healing {
 namespace {
@@ -23,10 +23,10 @@ constexpr double day = 86400.0;
 
 /// A block of 24 mm with a wound of 12 mm in its middle.
 struct AWound : ::testing::Test {
-  TetMesh mesh = testing::lattice({8, 8, 8}, [](int i, int j, int k) {
+  TetMesh mesh = lattice({8, 8, 8}, [](int i, int j, int k) {
     return Vec3{0.003 * i, 0.003 * j, 0.003 * k};
   });
-  std::vector<double> fraction = testing::wound_where(mesh, [](const Vec3& p) {
+  std::vector<double> fraction = cells_where(mesh, [](const Vec3& p) {
     return std::ranges::all_of(p, [](double x) { return x > 0.006 && x < 0.018; });
   });
   std::unique_ptr<Model> model = make_model("vavourakis2016");

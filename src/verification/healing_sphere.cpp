@@ -1,0 +1,127 @@
+#include "verification/healing_sphere.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "geometry/structured_mesh.hpp"
+#include "recovery/recovery.hpp"
+
+namespace sanatrix::verification {
+namespace {
+
+constexpr double seconds_per_day = 86400.0;
+
+std::size_t index_of(const healing::Model& model, const std::string& key) {
+  const auto species = model.species();
+  return static_cast<std::size_t>(std::ranges::find(species, key, &healing::Species::key) -
+                                  species.begin());
+}
+
+void add(SphereHealing& h, const healing::SpeciesRecord& record) {
+  const auto put = [&](History& history, double value) {
+    history.day.push_back(record.t_day);
+    history.value.push_back(value);
+  };
+  put(h.eta, record.mean[0]);
+  put(h.nu, record.mean[2]);
+  put(h.xi, record.mean[3]);
+  put(h.zeta_far, record.far_field_second);
+}
+
+std::size_t centre_of(const TetMesh& mesh) {
+  return static_cast<std::size_t>(
+      std::ranges::min_element(mesh.points, {}, [](const Vec3& p) { return norm(p); }) -
+      mesh.points.begin());
+}
+
+}  // namespace
+
+double History::at(double when) const {
+  const auto next = std::ranges::lower_bound(day, when) - day.begin();
+  if (next == 0) {
+    return value.front();
+  }
+  if (next == static_cast<std::ptrdiff_t>(day.size())) {
+    return value.back();
+  }
+  const auto i = static_cast<std::size_t>(next);
+  const double share = (when - day[i - 1]) / (day[i] - day[i - 1]);
+  return value[i - 1] + share * (value[i] - value[i - 1]);
+}
+
+double History::time_of(double level) const {
+  for (std::size_t i = 1; i < value.size(); ++i) {
+    if ((value[i - 1] - level) * (value[i] - level) <= 0.0 && value[i] != value[i - 1]) {
+      return day[i - 1] +
+             (level - value[i - 1]) / (value[i] - value[i - 1]) * (day[i] - day[i - 1]);
+    }
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+TetMesh wounded_ball(double radius, int layers) {
+  return ball_octant(graded_radii(radius, layers, 3.0 * radius, 1.4));
+}
+
+std::vector<double> wound_of(const TetMesh& mesh, double radius) {
+  return cells_where(mesh, [=](const Vec3& p) { return norm(p) < radius; });
+}
+
+SphereHealing heal_species(const std::string& preset, double radius, int layers, double days,
+                           const Context& ctx) {
+  const TetMesh mesh = wounded_ball(radius, layers);
+  const auto wound = wound_of(mesh, radius);
+  const auto model = healing::make_model(preset, std::vector<std::string>{"zeta_init=0"});
+  healing::ReactionDiffusion rd(mesh, mesh.points, wound, *model, {});
+  const std::size_t nu = centre_of(mesh) * model->species().size() + index_of(*model, "nu");
+  SphereHealing h;
+  const auto note = [&] {
+    add(h, healing::record(rd, mesh, mesh.points, wound, *model));
+    h.centre_nu.day.push_back(h.eta.day.back());
+    h.centre_nu.value.push_back(rd.state()[nu]);
+  };
+  for (double from = 0.0; from < days; from += 6.0) {
+    const double to = std::min(from + 6.0, days);
+    std::vector<double> times;
+    for (double t = from; t < to; t += 0.5) {
+      times.push_back(t * seconds_per_day);
+    }
+    rd.advance(to * seconds_per_day, ctx, times, note);
+  }
+  note();
+  return h;
+}
+
+SphereHealing heal_body(const std::string& preset, double radius, int layers, double days,
+                        const Context& ctx) {
+  const TetMesh mesh = wounded_ball(radius, layers);
+  mechanics::Body body;
+  body.mesh = &mesh;
+  body.fixed = symmetry_supports(mesh);
+  body.tissue.assign(mesh.cells.size(), {112.5, 112.5, 5e5, 1000.0, 1.0, 0.0});
+  const auto model = healing::make_model(preset);
+  recovery::Problem problem;
+  problem.body = &body;
+  problem.reference_nodes = mesh.points;
+  problem.start = {mesh.points, {}};
+  problem.species_points = mesh.points;
+  problem.wound_fraction = wound_of(mesh, radius);
+  problem.model = model.get();
+  problem.schedule.days = days;
+  const std::size_t nu = centre_of(mesh) * model->species().size() + index_of(*model, "nu");
+  SphereHealing h;
+  const auto observe = [&](double day, std::span<const double> species, const mechanics::Shape&) {
+    h.centre_nu.day.push_back(day);
+    h.centre_nu.value.push_back(species[nu]);
+  };
+  const recovery::Result result = recovery::heal(
+      problem, {}, [](const recovery::Checkpoint&) {}, observe, ctx);
+  for (const recovery::HistoryRow& row : result.history) {
+    add(h, row.species);
+    h.volume.day.push_back(row.species.t_day);
+    h.volume.value.push_back(row.volume_ratio);
+  }
+  return h;
+}
+
+}  // namespace sanatrix::verification

@@ -1,0 +1,39 @@
+// A spherical wound that heals in a ball of healthy tissue: the common ground of C4, C11, A1-A6 and
+// the clinical curves.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/context.hpp"
+#include "geometry/tet_mesh.hpp"
+#include "healing/reaction_diffusion.hpp"
+
+namespace sanatrix::verification {
+
+/// A quantity in time.
+struct History {
+  std::vector<double> day, value;
+  [[nodiscard]] double at(double when) const;        ///< interpolated
+  [[nodiscard]] double time_of(double level) const;  ///< first crossing; NaN when there is none
+};
+
+struct SphereHealing {
+  History eta, nu, xi;  ///< means over the wound
+  History centre_nu;    ///< at the centre
+  History zeta_far;     ///< regulator far away
+  History volume;       ///< V/V0; empty when mechanics did not run
+};
+
+/// The octant of a wound of `radius` with `layers` layers of cells in a ball of three times that.
+TetMesh wounded_ball(double radius, int layers);
+std::vector<double> wound_of(const TetMesh& mesh, double radius);
+
+/// Species only, restarted every 6 days as recovery does.
+SphereHealing heal_species(const std::string& preset, double radius, int layers, double days,
+                           const Context& ctx);
+/// Species and mechanics, as `recovery` couples them.
+SphereHealing heal_body(const std::string& preset, double radius, int layers, double days,
+                        const Context& ctx);
+
+}  // namespace sanatrix::verification
