@@ -124,7 +124,7 @@ double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Node
     }
   }
   for (std::size_t q = 0; q < 4; ++q) {
-    out.residual[3 * Nodes + q] += w * at.Np[q] * (J - 1.0);
+    out.residual[3 * Nodes + q] += w * at.Np[q] * (J - 1.0 + in.tissue.shrinkage);
   }
   if (!out.wants_matrix()) {
     return J;
@@ -197,6 +197,7 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
   }
   const double w = at.volume;
   const double weight_density = j * in.tissue.density;
+  const double rest = 1.0 - in.tissue.shrinkage;  // J without pressure
   for (std::size_t a = 0; a < Nodes; ++a) {
     for (std::size_t i = 0; i < 3; ++i) {
       out.residual[3 * a + i] +=
@@ -204,7 +205,7 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
     }
   }
   for (std::size_t q = 0; q < 4; ++q) {
-    out.residual[3 * Nodes + q] += w * at.Np[q] * (1.0 - j);
+    out.residual[3 * Nodes + q] += w * at.Np[q] * (1.0 - rest * j);
   }
   if (!out.wants_matrix()) {
     return s.J;
@@ -220,7 +221,7 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
         }
       }
       for (std::size_t q = 0; q < 4; ++q) {
-        out.K(3 * Nodes + q, 3 * b + K) -= dj * at.Np[q];
+        out.K(3 * Nodes + q, 3 * b + K) -= dj * rest * at.Np[q];
       }
     }
   }

@@ -24,7 +24,7 @@ struct CellInput {
 };
 
 /// Weak form of Eq. (8) with pressure p as an independent field:
-///   R_u = int P : grad(w) dV - int rho g . w dV,   R_p = int q (J - 1 - p/kappa) dV -
+///   R_u = int P : grad(w) dV - int rho g . w dV,   R_p = int q (J - 1 + e - p/kappa) dV -
 ///   stabilisation,
 /// with the polynomial pressure projection of Bochev and Dohrmann for P1/P1
 /// (doi:10.1137/S0036142905444482), integrated in the reference measure.

@@ -60,7 +60,8 @@ Tissue mix(const Tissue& a, const Tissue& b, double fraction_of_b) {
           1.0 / mean(1.0 / a.kappa, 1.0 / b.kappa),
           mean(a.density, b.density),
           mean(a.integrity, b.integrity),
-          mean(a.active_stress, b.active_stress)};
+          mean(a.active_stress, b.active_stress),
+          mean(a.shrinkage, b.shrinkage)};
 }
 
 }  // namespace sanatrix::mechanics

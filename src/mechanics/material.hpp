@@ -6,13 +6,15 @@
 namespace sanatrix::mechanics {
 
 /// Mooney-Rivlin tissue, Eq. (9) of doi:10.1371/journal.pone.0159766, with what healing does to it:
-/// W = integrity [c1 (I1bar - 3) + c2 (I2bar - 3)] + kappa/2 (J - 1)^2, S_active = active_stress I.
+/// W = integrity [c1 (I1bar - 3) + c2 (I2bar - 3)] + kappa/2 (J - 1 + shrinkage)^2,
+/// S_active = active_stress I.
 struct Tissue {
   double c1 = 100.0, c2 = 100.0;  ///< [Pa]
   double kappa = 5e5;             ///< [Pa]
   double density = 950.0;         ///< in the reference configuration [kg/m3]
   double integrity = 1.0;         ///< 1 - damage, scales the isochoric part only
   double active_stress = 0.0;     ///< tau_f eta_f [Pa]
+  double shrinkage = 0.0;         ///< 1 - J at which the pressure is zero
 };
 
 /// Veronda-Westmann membrane, Eq. (10): W = alpha (exp(beta (I1 - 3)) - 1) + c2 (I2 - 3).

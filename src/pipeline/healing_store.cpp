@@ -107,7 +107,8 @@ void save_tissue(const std::vector<mechanics::Tissue>& tissue, const std::filesy
   Archive archive;
   std::vector<double>& flat = archive.reals["tissue"];
   for (const mechanics::Tissue& t : tissue) {
-    flat.insert(flat.end(), {t.c1, t.c2, t.kappa, t.density, t.integrity, t.active_stress});
+    flat.insert(flat.end(),
+                {t.c1, t.c2, t.kappa, t.density, t.integrity, t.active_stress, t.shrinkage});
   }
   archive.save(file);
 }
@@ -115,10 +116,10 @@ void save_tissue(const std::vector<mechanics::Tissue>& tissue, const std::filesy
 std::vector<mechanics::Tissue> load_tissue(const std::filesystem::path& file) {
   const Archive archive = Archive::load(file);
   const std::vector<double>& flat = archive.real("tissue");
-  std::vector<mechanics::Tissue> tissue(flat.size() / 6);
+  std::vector<mechanics::Tissue> tissue(flat.size() / 7);
   for (std::size_t i = 0; i < tissue.size(); ++i) {
-    const double* v = flat.data() + 6 * i;
-    tissue[i] = {v[0], v[1], v[2], v[3], v[4], v[5]};
+    const double* v = flat.data() + 7 * i;
+    tissue[i] = {v[0], v[1], v[2], v[3], v[4], v[5], v[6]};
   }
   return tissue;
 }

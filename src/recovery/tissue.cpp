@@ -28,8 +28,8 @@ std::vector<mechanics::Tissue> healing_tissue(std::span<const mechanics::Tissue>
     scar.active_stress = wound.active_stress * cells;
     mechanics::Tissue mixed = mechanics::mix(healthy[c], scar, wound_fraction[c]);
     // Wound and healthy share carry the same pressure, and their volume changes add up: the mixture
-    // must shrink by f T/kappa_wound, which takes the traction f T kappa_mixed/kappa_wound.
-    mixed.active_stress *= mixed.kappa / wound.kappa;
+    // shrinks by f T/kappa_wound. Its own traction f T does f T/kappa_mixed of that.
+    mixed.shrinkage = mixed.active_stress * (1.0 / wound.kappa - 1.0 / mixed.kappa);
     // Of the mixture's full stiffness, the wounded share has only `integrity`.
     const double wounded = wound_fraction[c] * (scar.c1 + scar.c2) / (mixed.c1 + mixed.c2);
     mixed.integrity = 1.0 - wounded * (1.0 - integrity);

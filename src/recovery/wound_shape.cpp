@@ -6,29 +6,40 @@ namespace sanatrix::recovery {
 
 WoundShape::WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction,
                        std::span<const Vec3> reference_points)
-    : mesh_(&mesh), fraction_(wound_fraction.begin(), wound_fraction.end()) {
+    : mesh_(&mesh) {
   // The boundary of the sub-mesh of wound cells: faces that only one of them has.
   TetMesh wound;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    if (fraction_[c] >= 0.5) {
+    if (wound_fraction[c] >= 0.5) {
       wound.cells.push_back(mesh.cells[c]);
     }
   }
   wound.points = mesh.points;
   wall_ = boundary_of(wound);
-  healthy_share_ = cell_volumes(mesh, reference_points);
-  for (std::size_t c = 0; c < fraction_.size(); ++c) {
-    healthy_share_[c] *= 1.0 - fraction_[c];
+  std::vector<bool> wounded(mesh.points.size(), false);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    for (const int v : mesh.cells[c]) {
+      wounded[static_cast<std::size_t>(v)] =
+          wounded[static_cast<std::size_t>(v)] || wound_fraction[c] > 0.0;
+    }
+  }
+  const std::vector<double> volumes = cell_volumes(mesh, reference_points);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    if (std::ranges::any_of(mesh.cells[c],
+                            [&](int v) { return wounded[static_cast<std::size_t>(v)]; })) {
+      touching_.push_back(c);
+      healthy_share_.push_back((1.0 - wound_fraction[c]) * volumes[c]);
+    }
   }
 }
 
 double WoundShape::volume(std::span<const Vec3> points) const {
   const std::vector<double> volumes = cell_volumes(*mesh_, points);
   double sum = 0.0;
-  for (std::size_t c = 0; c < volumes.size(); ++c) {
-    sum += fraction_[c] > 0.0 ? std::max(volumes[c] - healthy_share_[c], 0.0) : 0.0;
+  for (std::size_t i = 0; i < touching_.size(); ++i) {
+    sum += volumes[touching_[i]] - healthy_share_[i];
   }
-  return sum;
+  return std::max(sum, 0.0);
 }
 
 double WoundShape::mean_inward_displacement(std::span<const Vec3> before,

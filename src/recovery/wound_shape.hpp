@@ -14,8 +14,9 @@ class WoundShape {
   /// wound_fraction per cell, 0..1; the wall separates cells at or above one half from the others.
   WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction,
              std::span<const Vec3> reference_points);
-  /// Volume of the wounded share [m3]: in a cell that is partly healthy, the healthy share keeps
-  /// its reference volume (it is incompressible) and the wound takes the whole change.
+  /// Volume of the wounded share [m3]. Healthy tissue is incompressible and the elements conserve
+  /// volume around vertices, not cell by cell: in all cells that touch the wound, the healthy share
+  /// keeps its reference volume and the wound takes the whole change.
   [[nodiscard]] double volume(std::span<const Vec3> points) const;
   /// Area-weighted mean displacement of the wall towards the inside [m].
   [[nodiscard]] double mean_inward_displacement(std::span<const Vec3> before,
@@ -23,8 +24,8 @@ class WoundShape {
 
  private:
   const TetMesh* mesh_;
-  std::vector<double> fraction_;
-  std::vector<double> healthy_share_;     ///< per cell, reference volume [m3]
+  std::vector<std::size_t> touching_;     ///< cells with a vertex of the wound
+  std::vector<double> healthy_share_;     ///< of each of them, reference volume [m3]
   std::vector<std::array<int, 3>> wall_;  ///< oriented out of the wound
 };
 

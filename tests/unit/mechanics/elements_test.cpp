@@ -31,7 +31,7 @@ void shake(Nodes& nodes, double by, unsigned seed) {
   }
 }
 
-const Tissue wounded{120.0, 80.0, 2e3, 1000.0, 0.3, 250.0};
+const Tissue wounded{120.0, 80.0, 2e3, 1000.0, 0.3, 250.0, 0.05};
 const Vec3 gravity{1.0, -9.0, 3.0};
 
 /// Largest difference between K and the central difference of R, per block, relative to the block.
