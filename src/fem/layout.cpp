@@ -7,10 +7,8 @@
 
 namespace sanatrix::fem {
 
-namespace {
-
-/// Orders [first, last) by halving space along its longest axis until single nodes remain.
-void bisect(std::span<const Vec3> positions, std::span<int> nodes) {
+/// Halves space along its longest axis until single nodes remain.
+void order_by_place(std::span<const Vec3> positions, std::span<int> nodes) {
   if (nodes.size() < 2) {
     return;
   }
@@ -32,11 +30,9 @@ void bisect(std::span<const Vec3> positions, std::span<int> nodes) {
     const double pb = positions[static_cast<std::size_t>(b)][axis];
     return pa != pb ? pa < pb : a < b;
   });
-  bisect(positions, nodes.first(static_cast<std::size_t>(middle)));
-  bisect(positions, nodes.subspan(static_cast<std::size_t>(middle)));
+  order_by_place(positions, nodes.first(static_cast<std::size_t>(middle)));
+  order_by_place(positions, nodes.subspan(static_cast<std::size_t>(middle)));
 }
-
-}  // namespace
 
 int EdgeTable::find(int a, int b) const {
   const std::array<int, 2> key{std::min(a, b), std::max(a, b)};
@@ -70,7 +66,7 @@ EdgeTable make_edges(std::span<const std::array<int, 4>> cells) {
 Layout make_layout(std::span<const Vec3> node_positions) {
   std::vector<int> order(node_positions.size());
   std::iota(order.begin(), order.end(), 0);
-  bisect(node_positions, order);
+  order_by_place(node_positions, order);
   Layout layout;
   layout.total = static_cast<int>(order.size());
   layout.global.resize(order.size());

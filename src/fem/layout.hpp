@@ -37,6 +37,8 @@ struct Layout {
   }
   [[nodiscard]] int own() const { return own_end - own_begin; }
 };
+/// Orders nodes along a recursive bisection of space.
+void order_by_place(std::span<const Vec3> positions, std::span<int> nodes);
 /// All nodes known to all ranks, owned in equal shares.
 Layout make_layout(std::span<const Vec3> node_positions);
 

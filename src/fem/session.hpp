@@ -1,6 +1,9 @@
 // Starts and ends MPI and PETSc; one object in main.
 #pragma once
 
+#include <string>
+#include <vector>
+
 namespace sanatrix::fem {
 
 class Session {
@@ -13,5 +16,13 @@ class Session {
 
 int rank();   ///< of this process in MPI_COMM_WORLD
 int ranks();  ///< number of processes
+
+// Over all processes, the same on each; collective.
+double sum(double mine);
+double largest(double mine);
+/// What all processes give, in the order of ranks, on rank 0; empty elsewhere.
+std::vector<double> gather(const std::vector<double>& mine);
+/// Replaces the text by that of one process. Collective.
+void broadcast(std::string& text, int from = 0);
 
 }  // namespace sanatrix::fem

@@ -36,6 +36,10 @@ struct Fields {
 /// written with it. Written aside, flushed and renamed; Error{Resource} when the disk is full.
 void write_vtu(const TetMesh& mesh, std::span<const Vec3> points, const Fields& fields,
                const std::filesystem::path& file, LengthUnit unit);
+/// PVTU over pieces in the same folder, which have these point and cell fields (names and
+/// components are read, values are not).
+void write_pvtu(const std::vector<std::string>& pieces, const Fields& fields,
+                const std::filesystem::path& file);
 void write_vtp(const TriMesh& surface, const Fields& fields, const std::filesystem::path& file,
                LengthUnit unit);
 /// PVD collection of time (days) and file names relative to the PVD.

@@ -91,6 +91,7 @@ void write(vtkDataSet& data, const Fields& fields, const fs::path& file, LengthU
   writer->SetDataModeToAppended();
   writer->EncodeAppendedDataOff();
   writer->SetCompressorTypeToZLib();
+  writer->SetCompressionLevel(1);  // a healing run writes many frames
   writer->WriteToOutputStringOn();
   ensure(writer->Write() == 1, "VTK could not make the contents of {}", file.string());
   write_text(file, writer->GetOutputString());
@@ -138,6 +139,31 @@ void write_vtu(const TetMesh& mesh, std::span<const Vec3> points, const Fields& 
   grid->SetPoints(vtk_points(points, per_metre(unit)));
   grid->SetCells(VTK_TETRA, vtk_cells(mesh.cells));
   write<vtkXMLUnstructuredGridWriter>(*grid, fields, file, unit);
+}
+
+void write_pvtu(const std::vector<std::string>& pieces, const Fields& fields,
+                const fs::path& file) {
+  const auto arrays = [](const char* section, const std::vector<Field>& listed) {
+    std::string text = fmt::format("    <{}>\n", section);
+    for (const Field& field : listed) {
+      text += fmt::format(
+          "      <PDataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\"/>\n",
+          field.name, field.components);
+    }
+    return text + fmt::format("    </{}>\n", section);
+  };
+  std::string text =
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"PUnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+      "  <PUnstructuredGrid GhostLevel=\"0\">\n";
+  text += arrays("PPointData", fields.point) + arrays("PCellData", fields.cell);
+  text +=
+      "    <PPoints>\n      <PDataArray type=\"Float64\" NumberOfComponents=\"3\"/>\n"
+      "    </PPoints>\n";
+  for (const std::string& piece : pieces) {
+    text += fmt::format("    <Piece Source=\"{}\"/>\n", piece);
+  }
+  write_text(file, text + "  </PUnstructuredGrid>\n</VTKFile>\n");
 }
 
 void write_vtp(const TriMesh& surface, const Fields& fields, const fs::path& file,

@@ -8,6 +8,8 @@
 #include <omp.h>
 
 #include "core/error.hpp"
+#include "fem/mesh_share.hpp"
+#include "fem/session.hpp"
 #include "mechanics/dead_loads.hpp"
 #include "mechanics/mooney_rivlin.hpp"
 #include "mechanics/shape_functions.hpp"
@@ -53,7 +55,8 @@ void check_body(const Body& body) {
   ensure(body.tissue.size() == cells, "{} cells but {} tissues", cells, body.tissue.size());
   ensure(body.fixed.size() == body.mesh->points.size(), "{} vertices but {} supports",
          body.mesh->points.size(), body.fixed.size());
-  require(std::ranges::any_of(body.fixed, [](std::uint8_t f) { return f != 0; }),
+  const bool holds = std::ranges::any_of(body.fixed, [](std::uint8_t f) { return f != 0; });
+  require(fem::largest(holds ? 1.0 : 0.0) > 0.0,
           "nothing holds the body: no vertex is fixed - name a boundary under \"fixed\"");
 }
 
@@ -73,7 +76,7 @@ DiscreteBody::DiscreteBody(const Body& body) : body_(body) {
     }
   }
   const std::vector<Vec3> positions = with_midpoints(mesh.points, edges_);
-  layout_ = fem::make_layout(positions);
+  layout_ = body_.share != nullptr ? body_.share->layout(edges_) : fem::make_layout(positions);
   hold_nodes();
   list_elements();
   system_ = std::make_unique<fem::SparseSystem>(layout_, elements_, fixed_, positions);
@@ -83,9 +86,11 @@ DiscreteBody::DiscreteBody(const Body& body) : body_(body) {
 /// A mid-edge node is held where both ends are; it has no pressure.
 void DiscreteBody::hold_nodes() {
   fixed_.assign(body_.fixed.begin(), body_.fixed.end());
+  if (body_.share != nullptr) {  // a support's face may lie on the owner's side only
+    body_.share->fetch(fixed_);
+  }
   for (const auto& [a, b] : edges_.edges) {
-    fixed_.push_back(
-        static_cast<std::uint8_t>((body_.fixed[index(a)] & body_.fixed[index(b)]) | 8));
+    fixed_.push_back(static_cast<std::uint8_t>((fixed_[index(a)] & fixed_[index(b)]) | 8));
   }
 }
 
@@ -216,7 +221,7 @@ void DiscreteBody::set_scales() {
     mine[3] += layout_.owns(static_cast<int>(v)) ? 1.0 : 0.0;
   }
   std::array<double, 4> all{};
-  MPI_Allreduce(mine.data(), all.data(), 4, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  std::ranges::transform(mine, all.begin(), fem::sum);
   const double n = all[3];
   const double h = std::cbrt(all[0] / n);
   const double mu = all[1] / all[0];
@@ -308,11 +313,30 @@ bool DiscreteBody::evaluate(const State& state, bool with_matrix, bool at_rest) 
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     worst[p] = evaluate_part<CellNodes, FaceNodes>(parts_[p], state, with_matrix, at_rest);
   }
-  const Worst mine = *std::ranges::min_element(worst, {}, &Worst::J);
-  Worst all{};
+  worst_ = *std::ranges::min_element(worst, {}, &Worst::J);
+  const struct {
+    double J;
+    int rank;
+  } mine{worst_.J, fem::rank()};
+  auto all = mine;
   MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE_INT, MPI_MINLOC, MPI_COMM_WORLD);
-  worst_ = all;
+  worst_.J = all.J;
+  worst_rank_ = all.rank;
   return worst_.J > 0.0;
+}
+
+std::string DiscreteBody::worst_place() const {
+  std::string place = "no cell";
+  if (fem::rank() == worst_rank_ && worst_.cell >= 0) {
+    const TetMesh& mesh = *body_.mesh;
+    const std::size_t c = index(worst_.cell);
+    const Vec3 corner = 1e3 * mesh.points[index(mesh.cells[c][0])];
+    place = fmt::format("cell {} of region '{}' near ({:.1f}, {:.1f}, {:.1f}) mm",
+                        body_.share != nullptr ? body_.share->cell()[c] : worst_.cell,
+                        mesh.region_names[index(mesh.region[c])], corner[0], corner[1], corner[2]);
+  }
+  fem::broadcast(place, worst_rank_);
+  return place;
 }
 
 bool DiscreteBody::run(const State& state, bool with_matrix, bool at_rest) {
@@ -366,9 +390,7 @@ double DiscreteBody::norm(std::span<const double> r) const {
     const double force = i % fem::block == 3 ? pressure_scale_ * r[i] : r[i];
     mine += force * force;
   }
-  double all = 0.0;
-  MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
-  return std::sqrt(all);
+  return std::sqrt(fem::sum(mine));
 }
 
 std::vector<double> DiscreteBody::jacobians(std::span<const Vec3> reference,

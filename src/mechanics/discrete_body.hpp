@@ -20,7 +20,7 @@ struct State {
 /// The worst cell of an evaluation.
 struct Worst {
   double J = 0.0;
-  int cell = -1;
+  int cell = -1;  ///< in the mesh of the process that found it
 };
 
 class DiscreteBody {
@@ -37,7 +37,7 @@ class DiscreteBody {
   /// Puts held nodes where the body's loads prescribe them (with respect to the known shape).
   void place_supports(State& state) const;
   /// R(state), `fem::block` values per node, zero for fixed unknowns and for nodes of other ranks.
-  /// False when a cell is inverted (worst() names it).
+  /// False when a cell is inverted (worst_place() names it).
   bool residual(const State& state, std::vector<double>& r);
   /// R and its matrix. at_rest: membranes answer with their stiffness at rest.
   bool residual_and_matrix(const State& state, std::vector<double>& r, bool at_rest);
@@ -51,7 +51,9 @@ class DiscreteBody {
   /// What that norm is compared with: the norm of gravity and dead loads, or a small force of the
   /// body's own stiffness where there is no gravity. [N]
   [[nodiscard]] double load_scale() const { return load_scale_; }
-  [[nodiscard]] const Worst& worst() const { return worst_; }
+  [[nodiscard]] double worst_J() const { return worst_.J; }
+  /// "cell 12 of region 'breast' near (1.0, 2.0, 3.0) mm". Collective.
+  [[nodiscard]] std::string worst_place() const;
   /// Mean det F over the quadrature points of every cell.
   [[nodiscard]] std::vector<double> jacobians(std::span<const Vec3> reference,
                                               std::span<const Vec3> deformed) const;
@@ -97,6 +99,7 @@ class DiscreteBody {
   Vec3 gravity_{};
   double pressure_scale_ = 1.0, load_scale_ = 1.0;
   Worst worst_;
+  int worst_rank_ = 0;  ///< that found it
 };
 
 }  // namespace sanatrix::mechanics

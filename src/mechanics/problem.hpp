@@ -13,6 +13,10 @@
 #include "geometry/tet_mesh.hpp"
 #include "mechanics/material.hpp"
 
+namespace sanatrix::fem {
+class MeshShare;
+}
+
 namespace sanatrix::mechanics {
 
 enum class Element { P1P1, P2P1 };  ///< P1/P1 with pressure projection; Taylor-Hood
@@ -31,6 +35,7 @@ struct Loads {
 /// apart.
 struct Body {
   const TetMesh* mesh = nullptr;
+  const fem::MeshShare* share = nullptr;  ///< given: the mesh is this process's share of a larger
   Element element = Element::P1P1;
   std::vector<Tissue> tissue;  ///< per cell
   struct SkinFace {
@@ -67,7 +72,8 @@ struct SolveReport {
 void accumulate(SolveReport& sum, const SolveReport& next);
 
 /// One body, solved many times: keeps distribution, matrix pattern and the last factorisation.
-/// All calls are collective over MPI_COMM_WORLD; results are complete on every rank.
+/// All calls are collective over MPI_COMM_WORLD; results are complete on every rank, for all nodes
+/// and cells of its mesh.
 class Solver {
  public:
   explicit Solver(const Body& body, SolveOptions options = {});

@@ -118,9 +118,9 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
     report.last_residual = now / discrete.load_scale();
     ctx.detail(done,
                fmt::format("load {:.3g} %, Newton {}, residual {:.2e}, min J {:.3f}",
-                           100.0 * (1.0 - share), it, report.last_residual, discrete.worst().J));
+                           100.0 * (1.0 - share), it, report.last_residual, discrete.worst_J()));
     if (now <= tolerance) {
-      report.min_jacobian = discrete.worst().J;
+      report.min_jacobian = discrete.worst_J();
       return true;
     }
     if (it == options.max_newton || !std::isfinite(now)) {
@@ -148,22 +148,12 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
 }
 
 void Solver::Impl::fail(double load) const {
-  const Worst& worst = discrete.worst();
-  const TetMesh& mesh = *discrete.body().mesh;
-  std::string place = "no cell";
-  if (worst.cell >= 0) {
-    const auto c = static_cast<std::size_t>(worst.cell);
-    place = fmt::format("cell {} of region '{}' near ({:.1f}, {:.1f}, {:.1f}) mm", worst.cell,
-                        mesh.region_names[static_cast<std::size_t>(mesh.region[c])],
-                        1e3 * mesh.points[static_cast<std::size_t>(mesh.cells[c][0])][0],
-                        1e3 * mesh.points[static_cast<std::size_t>(mesh.cells[c][0])][1],
-                        1e3 * mesh.points[static_cast<std::size_t>(mesh.cells[c][0])][2]);
-  }
-  throw Error(Fault::Numerics,
-              fmt::format("Newton's method did not converge beyond {:.3g} % of the load (residual "
-                          "{:.1e}); the worst cell is {}, det F = {:.3f}",
-                          100.0 * load, report.last_residual, place, worst.J),
-              "see docs/failing/newton.md: stiffer tissue, a finer mesh there, or element p2p1");
+  throw Error(
+      Fault::Numerics,
+      fmt::format("Newton's method did not converge beyond {:.3g} % of the load (residual "
+                  "{:.1e}); the worst cell is {}, det F = {:.3f}",
+                  100.0 * load, report.last_residual, discrete.worst_place(), discrete.worst_J()),
+      "see docs/failing/newton.md: stiffer tissue, a finer mesh there, or element p2p1");
 }
 
 /// Follows R(y) = (1 - s) R(y0) from s = 0, where y0 solves it, to s = 1. From rest that is gravity

@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "fem/session.hpp"
 #include "io/mesh_file.hpp"
 #include "pipeline/json_object.hpp"
 
@@ -104,7 +105,7 @@ void read_fixed(const JsonObject& fixed, SolveProblem& problem) {
     index_of(known, name, "boundary or point");
     std::vector<int> held = vertices_on(mesh, name);
     if (const auto point = mesh.named_points.find(name);
-        held.empty() && point != mesh.named_points.end()) {
+        boundary_index(mesh, name) < 0 && point->second >= 0) {
       held = {point->second};
     }
     for (const int vertex : held) {
@@ -149,6 +150,19 @@ Mode read_mode(const JsonObject& root) {
   return mode == "forward" ? Mode::Forward : mode == "inverse" ? Mode::Inverse : Mode::Healing;
 }
 
+void load_mesh(SolveProblem& problem) {
+  const fs::path& file = problem.mesh_file;
+  const io::LengthUnit unit = problem.mesh_unit;
+  if (problem.mode == Mode::Healing || fem::ranks() == 1) {
+    problem.mesh = io::read_msh(file, unit);
+    return;
+  }
+  problem.share =
+      std::make_shared<fem::MeshShare>(fem::rank() == 0 ? io::read_msh(file, unit) : TetMesh{});
+  problem.mesh = problem.share->mesh();
+  problem.body.share = problem.share.get();
+}
+
 SolveProblem problem_from(const JsonObject& root, const fs::path& folder) {
   root.allow(
       {"mesh", "unit", "element", "regions", "skins", "fixed", "gravity", "mode", "healing"});
@@ -163,9 +177,10 @@ SolveProblem problem_from(const JsonObject& root, const fs::path& folder) {
     const std::vector<double> g = root.numbers("gravity", 3);
     problem.gravity = {g[0], g[1], g[2]};
   }
-  const auto unit =
+  problem.mesh_file = folder / root.text("mesh");
+  problem.mesh_unit =
       root.choice("unit", {"m", "mm"}) == "m" ? io::LengthUnit::Metre : io::LengthUnit::Millimetre;
-  problem.mesh = io::read_msh(folder / root.text("mesh"), unit);
+  load_mesh(problem);
   problem.body.fixed.assign(problem.mesh.points.size(), 0);
   read_regions(root.object("regions"), norm(problem.gravity) > 0, problem);
   if (root.has("skins")) {

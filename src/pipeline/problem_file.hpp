@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "fem/mesh_share.hpp"
+#include "io/mesh_file.hpp"
 #include "mechanics/problem.hpp"
 #include "recovery/recovery.hpp"
 
@@ -23,6 +25,10 @@ struct HealingRequest {
 
 struct SolveProblem {
   TetMesh mesh;
+  /// Given on several ranks, except for healing: the mesh is this rank's share.
+  std::shared_ptr<const fem::MeshShare> share;
+  std::filesystem::path mesh_file;
+  io::LengthUnit mesh_unit = io::LengthUnit::Metre;
   mechanics::Body body;  ///< its mesh pointer is set by the solver of the problem
   Vec3 gravity{};
   Mode mode = Mode::Forward;
@@ -31,7 +37,8 @@ struct SolveProblem {
 
 /// Strict: unknown keys, unknown region and boundary names (listing the existing ones), regions
 /// without a law and values out of range are Error{Input}. A relative mesh path is relative to the
-/// problem's file.
+/// problem's file. Collective: rank 0 reads the mesh and PETSc distributes it; only for healing
+/// does every rank keep the whole.
 SolveProblem read_problem(const std::filesystem::path& file);
 
 }  // namespace sanatrix::pipeline

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
-#include <numeric>
 
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "fem/session.hpp"
+#include "io/mesh_file.hpp"
 #include "pipeline/artefacts.hpp"
 
 namespace sanatrix::pipeline {
@@ -36,9 +37,24 @@ struct Solution {
   std::optional<recovery::Result> recovery;
 };
 
-double total_volume(const TetMesh& mesh, std::span<const Vec3> points) {
-  const std::vector<double> volumes = cell_volumes(mesh, points);
-  return std::accumulate(volumes.begin(), volumes.end(), 0.0);
+bool counts_vertex(const SolveProblem& p, std::size_t v) {
+  return p.share == nullptr || p.share->owns_vertex(static_cast<int>(v));
+}
+bool counts_cell(const SolveProblem& p, std::size_t c) {
+  return p.share == nullptr || p.share->owns_cell(static_cast<int>(c));
+}
+/// Of what every rank counted; where every rank has the whole mesh, each has counted all.
+double sum(const SolveProblem& p, double mine) {
+  return p.share == nullptr ? mine : fem::sum(mine);
+}
+
+double total_volume(const SolveProblem& p, std::span<const Vec3> points) {
+  const std::vector<double> volumes = cell_volumes(p.mesh, points);
+  double mine = 0.0;
+  for (std::size_t c = 0; c < volumes.size(); ++c) {
+    mine += counts_cell(p, c) ? volumes[c] : 0.0;
+  }
+  return sum(p, mine);
 }
 
 Solution solve_healing(const SolveProblem& p, mechanics::Solver& solver,
@@ -79,21 +95,21 @@ Solution solve(SolveProblem& p, const Context& ctx) {
   p.body.mesh = &p.mesh;
   mechanics::Solver solver(p.body);
   const std::vector<Vec3> nodes = solver.straight_nodes(p.mesh.points);
-  const double given = total_volume(p.mesh, p.mesh.points);
+  const double given = total_volume(p, p.mesh.points);
   if (p.mode == Mode::Healing) {
     Solution s = solve_healing(p, solver, nodes, ctx);
-    s.volume_ratio = total_volume(p.mesh, vertices(p.mesh, s.shape)) / given;
+    s.volume_ratio = total_volume(p, vertices(p.mesh, s.shape)) / given;
     return s;
   }
   Solution s;
   if (p.mode == Mode::Forward) {
     s.shape = solver.forward(nodes, p.gravity, nullptr, ctx);
     s.jacobian = solver.jacobians(nodes, s.shape.nodes);
-    s.volume_ratio = total_volume(p.mesh, vertices(p.mesh, s.shape)) / given;
+    s.volume_ratio = total_volume(p, vertices(p.mesh, s.shape)) / given;
   } else {
     s.shape = solver.inverse(nodes, p.gravity, ctx);
     s.jacobian = solver.jacobians(s.shape.nodes, nodes);
-    s.volume_ratio = given / total_volume(p.mesh, vertices(p.mesh, s.shape));
+    s.volume_ratio = given / total_volume(p, vertices(p.mesh, s.shape));
   }
   s.report = solver.last_report();
   return s;
@@ -107,7 +123,7 @@ std::vector<Vec3> displacements(const SolveProblem& p, const Solution& s) {
   return moved;
 }
 
-void write_vtu_of(const SolveProblem& p, const Solution& s, const fs::path& file) {
+io::Fields fields_of(const SolveProblem& p, const Solution& s) {
   io::Fields fields;
   fields.point.push_back(io::vector_field("displacement", displacements(p, s)));
   std::vector<double> pressure = s.shape.pressure;
@@ -115,20 +131,104 @@ void write_vtu_of(const SolveProblem& p, const Solution& s, const fs::path& file
   fields.point.push_back(io::scalar_field("pressure", std::move(pressure)));
   fields.cell.push_back(io::scalar_field("region", {p.mesh.region.begin(), p.mesh.region.end()}));
   fields.cell.push_back(io::scalar_field("J", s.jacobian));
-  io::write_vtu(p.mesh, p.mesh.points, fields, file, io::LengthUnit::Metre);
+  return fields;
+}
+
+/// One piece per rank, with its own cells only, and result.pvtu that names them all.
+void write_pieces(const SolveProblem& p, const io::Fields& fields, const fs::path& out) {
+  TetMesh piece = p.mesh;
+  piece.cells.clear();
+  io::Fields values = fields;
+  for (io::Field& field : values.cell) {
+    field.values.clear();
+  }
+  for (std::size_t c = 0; c < p.mesh.cells.size(); ++c) {
+    if (counts_cell(p, c)) {
+      piece.cells.push_back(p.mesh.cells[c]);
+      for (std::size_t f = 0; f < values.cell.size(); ++f) {
+        values.cell[f].values.push_back(fields.cell[f].values[c]);
+      }
+    }
+  }
+  std::vector<std::string> names;
+  for (int r = 0; r < fem::ranks(); ++r) {
+    names.push_back(fmt::format("result_{:04d}.vtu", r));
+  }
+  io::write_vtu(piece, piece.points, values, out / names[static_cast<std::size_t>(fem::rank())],
+                io::LengthUnit::Metre);
+  if (fem::rank() == 0) {
+    io::write_pvtu(names, fields, out / "result.pvtu");
+  }
+}
+
+/// The values of all ranks in the order of the whole mesh; empty but on rank 0.
+std::vector<double> gathered(const SolveProblem& p, const io::Field& field, bool per_point) {
+  const std::vector<int>& number = per_point ? p.share->vertex() : p.share->cell();
+  const auto width = static_cast<std::size_t>(field.components);
+  std::vector<double> mine;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (per_point ? counts_vertex(p, i) : counts_cell(p, i)) {
+      mine.push_back(number[i]);
+      mine.insert(mine.end(), field.values.begin() + static_cast<std::ptrdiff_t>(width * i),
+                  field.values.begin() + static_cast<std::ptrdiff_t>(width * (i + 1)));
+    }
+  }
+  const std::vector<double> all = fem::gather(mine);
+  std::vector<double> values(width * all.size() / (width + 1));
+  for (std::size_t at = 0; at < all.size(); at += width + 1) {
+    std::copy_n(
+        all.begin() + static_cast<std::ptrdiff_t>(at + 1), width,
+        values.begin() + static_cast<std::ptrdiff_t>(width) * static_cast<std::ptrdiff_t>(all[at]));
+  }
+  return values;
+}
+
+/// Up to this many vertices rank 0 also writes one file in the order of the mesh as given.
+constexpr int one_file = 500000;
+
+void write_fields(const SolveProblem& p, const Solution& s, const fs::path& out) {
+  io::Fields fields = fields_of(p, s);
+  if (p.share == nullptr) {
+    if (fem::rank() == 0) {
+      io::write_vtu(p.mesh, p.mesh.points, fields, out / "result.vtu", io::LengthUnit::Metre);
+    }
+    return;
+  }
+  write_pieces(p, fields, out);
+  if (p.share->whole_vertices() > one_file) {
+    return;
+  }
+  for (io::Field& field : fields.point) {
+    field.values = gathered(p, field, true);
+  }
+  for (io::Field& field : fields.cell) {
+    field.values = gathered(p, field, false);
+  }
+  if (fem::rank() == 0) {
+    const TetMesh whole = io::read_msh(p.mesh_file, p.mesh_unit);
+    io::write_vtu(whole, whole.points, fields, out / "result.vtu", io::LengthUnit::Metre);
+  }
 }
 
 json result_json(const SolveProblem& p, const Solution& s) {
   const std::vector<Vec3> moved = displacements(p, s);
+  const double count = p.share == nullptr ? static_cast<double>(moved.size())
+                                          : static_cast<double>(p.share->whole_vertices());
   double largest = 0.0;
   Vec3 mean{};
-  for (const Vec3& u : moved) {
-    largest = std::max(largest, norm(u));
-    mean += (1e3 / static_cast<double>(moved.size())) * u;
+  for (std::size_t v = 0; v < moved.size(); ++v) {
+    if (counts_vertex(p, v)) {
+      largest = std::max(largest, norm(moved[v]));
+      mean += (1e3 / count) * moved[v];
+    }
   }
+  largest = fem::largest(largest);
+  std::ranges::transform(mean, mean.begin(), [&](double m) { return sum(p, m); });
   json probes = json::object();
   for (const auto& [name, vertex] : p.mesh.named_points) {
-    probes[name] = 1e3 * moved[static_cast<std::size_t>(vertex)];
+    Vec3 u = vertex >= 0 ? 1e3 * moved[static_cast<std::size_t>(vertex)] : Vec3{};
+    std::ranges::transform(u, u.begin(), [&](double c) { return sum(p, c); });
+    probes[name] = u;
   }
   json j{{"converged", true},
          {"newton_iterations", s.report.newton_iterations},
@@ -141,7 +241,9 @@ json result_json(const SolveProblem& p, const Solution& s) {
          {"volume_ratio", s.volume_ratio},
          {"min_jacobian", s.report.min_jacobian},
          {"probes", probes},
-         {"mesh", {{"vertices", p.mesh.points.size()}, {"cells", p.mesh.cells.size()}}}};
+         {"mesh",
+          {{"vertices", p.share ? p.share->whole_vertices() : static_cast<int>(moved.size())},
+           {"cells", p.share ? p.share->whole_cells() : static_cast<int>(p.mesh.cells.size())}}}};
   if (s.recovery) {
     j["wound_volume_ratio_final"] = s.recovery->history.back().volume_ratio;
   }
@@ -162,18 +264,17 @@ std::string solve_problem(SolveProblem& problem, const fs::path& out, Team& team
     }
     fs::remove(result_file);  // a failed run must not leave an older success behind
   }
+  team.share(0);  // the folder is there for all
   const Clock::time_point start = Clock::now();
   try {
     const Solution s = solve(problem, ctx);
     const double seconds_solve = since(start);
     const Clock::time_point writing = Clock::now();
     json j = result_json(problem, s);
-    if (team.leads()) {
-      write_vtu_of(problem, s, out / "result.vtu");
-      if (s.recovery) {
-        write_text(out / "history.csv",
-                   recovery::history_csv(s.recovery->history, *problem.healing->model));
-      }
+    write_fields(problem, s, out);
+    if (team.leads() && s.recovery) {
+      write_text(out / "history.csv",
+                 recovery::history_csv(s.recovery->history, *problem.healing->model));
     }
     j["seconds"] = {{"assembly", s.report.seconds_assembly},
                     {"linear", s.report.seconds_linear},
