@@ -143,7 +143,8 @@ def write_patient(folder, change=lambda label: label):
 # --- a block of tetrahedra with a cube inside that can be the wound ---------------------------------
 
 def write_block(path, cells=3, edge=0.01):
-    """Gmsh 2.2: volumes healthy and wound (the middle cube), surface base (z = 0), point top."""
+    """Gmsh 2.2: volumes healthy and wound (the middle cube), surfaces base (z = 0) and
+    sides (smallest and largest x), point top."""
     n = cells + 1
     number = {(i, j, k): 1 + i + n * (j + n * k)
               for k in range(n) for j in range(n) for i in range(n)}
@@ -167,8 +168,14 @@ def write_block(path, cells=3, edge=0.01):
             a, b = number[i, j, 0], number[i + 1, j, 0]
             c, d = number[i + 1, j + 1, 0], number[i, j + 1, 0]
             elements += [f"2 2 3 3 {a} {c} {b}", f"2 2 3 3 {a} {d} {c}"]
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "4",
-             '3 1 "healthy"', '3 2 "wound"', '2 3 "base"', '0 4 "top"', "$EndPhysicalNames",
+    for k in range(cells):
+        for j in range(cells):
+            for i in (0, cells):
+                a, b = number[i, j, k], number[i, j + 1, k]
+                c, d = number[i, j + 1, k + 1], number[i, j, k + 1]
+                elements += [f"2 2 5 5 {a} {b} {c}", f"2 2 5 5 {a} {c} {d}"]
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "5", '3 1 "healthy"',
+             '3 2 "wound"', '2 3 "base"', '0 4 "top"', '2 5 "sides"', "$EndPhysicalNames",
              "$Nodes", str(len(number))]
     lines += [f"{v} {i * edge} {j * edge} {k * edge}" for (i, j, k), v in number.items()]
     lines += ["$EndNodes", "$Elements", str(len(elements))]

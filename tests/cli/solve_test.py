@@ -47,12 +47,23 @@ class Solve(CliTest):
         self.assertAlmostEqual(self.solve(element="p2p1", skins=skin)["max_displacement_mm"], soft,
                                delta=1e-3 * soft)  # the base is fixed: its skin does nothing
 
-    def test_two_ranks_agree_to_1e_8(self):
-        one = self.solve()
-        two = self.solve("--ranks", "2")
-        for a, b in zip([*one["mean_displacement_mm"], one["max_displacement_mm"]],
-                        [*two["mean_displacement_mm"], two["max_displacement_mm"]]):
-            self.assertAlmostEqual(a, b, delta=1e-8 * one["max_displacement_mm"])
+    def test_ranks_share_the_mesh_and_agree_to_1e_8(self):
+        skin = {"sides": {"law": "veronda_westmann", "alpha": 3940, "beta": 5.03, "c2": -9909.1,
+                          "thickness": 0.0015}}
+        for changes in ({}, {"element": "p2p1"}, {"mode": "inverse"}, {"skins": skin}):
+            with self.subTest(changes=changes):
+                one = self.solve(**changes)
+                two = self.solve("--ranks", "3", **changes)
+                for a, b in zip([*one["mean_displacement_mm"], *one["probes"]["top"],
+                                 one["max_displacement_mm"], one["min_jacobian"]],
+                                [*two["mean_displacement_mm"], *two["probes"]["top"],
+                                 two["max_displacement_mm"], two["min_jacobian"]]):
+                    self.assertAlmostEqual(a, b, delta=1e-8 * one["max_displacement_mm"])
+                self.assertEqual(one["mesh"], two["mesh"])
+        pieces = (self.folder / "out/result.pvtu").read_text()
+        for rank in range(3):
+            self.assertIn(f"result_{rank:04d}.vtu", pieces)
+            self.assertTrue((self.folder / f"out/result_{rank:04d}.vtu").exists())
 
     def test_healing_contracts_the_wound(self):
         healing = {"preset": "vavourakis2016", "wound": ["wound"], "days": 24,
