@@ -1,7 +1,9 @@
 // The subcommands of `sanatrix`: each adds itself to the command line and is one file.
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,15 @@ struct Common {
   bool quiet = false;
   int ranks = 1;
   std::vector<std::string> arguments;  ///< as given, for the ranks of --ranks
+};
+
+/// Scans of the patient's surface, as options of several commands.
+struct ScanOptions {
+  std::string scan, followup, scan_landmarks, followup_landmarks;
+
+  void add_to(CLI::App& command);
+  /// Those that were given, by the names of pipeline::replace_scan.
+  [[nodiscard]] std::map<std::string, std::filesystem::path> given() const;
 };
 
 /// Set by the parser when a subcommand was chosen; returns the exit code.

@@ -18,7 +18,8 @@ CaseResult load_result(const Case& patient) {
                     .after = load_shape(file(Stage::Upright, "after.bin")),
                     .history = load_history(file(Stage::Heal, "history.bin")),
                     .species = {},
-                    .frames = {}};
+                    .frames = {},
+                    .landmarks = {}};
   const auto biology = healing::make_model(patient.parameters.text("heal.preset"),
                                            patient.parameters.list("heal.overrides"));
   result.species.assign(biology->species().begin(), biology->species().end());
