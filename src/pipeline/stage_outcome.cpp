@@ -8,6 +8,7 @@
 #include "core/files.hpp"
 #include "outcome/outcome.hpp"
 #include "pipeline/body.hpp"
+#include "pipeline/cosmetics.hpp"
 #include "pipeline/result.hpp"
 #include "pipeline/scans.hpp"
 #include "pipeline/stages.hpp"
@@ -143,6 +144,9 @@ StageNotes run_outcome(const StageInput& in) {
   const Scans scans = load_scans(in.patient, result, skin, in.from(Stage::Outcome) / scan_poses,
                                  in.out / scan_poses, in.ctx);
   j["scans"] = scans_json(scans);
+  const Cosmetics cosmetics = cosmetics_of(result, skin);
+  j["cosmetics"] = cosmetics_json(cosmetics);
+  write_text(in.out / "metrics.csv", cosmetics_csv(cosmetics));
   if (scans.followup) {
     write_text(in.out / "table1.csv", table1_csv(*scans.followup));
   }
