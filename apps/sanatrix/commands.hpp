@@ -32,6 +32,8 @@ struct ScanOptions {
 /// Set by the parser when a subcommand was chosen; returns the exit code.
 using Command = std::function<int()>;
 
+void add_report(CLI::App& app, Common& common, Command& chosen);
+void add_compare(CLI::App& app, Common& common, Command& chosen);
 void add_phantom(CLI::App& app, Common& common, Command& chosen);
 void add_new(CLI::App& app, Common& common, Command& chosen);
 void add_run(CLI::App& app, Common& common, Command& chosen);

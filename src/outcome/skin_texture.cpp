@@ -104,6 +104,45 @@ std::vector<Colour> vertex_colours(const TriMesh& skin, const Sampler& sampler) 
   return colours;
 }
 
+/// A photograph with a place for every triangle; colour_of(triangle, weights of its corners).
+template <class ColourOf>
+TexturedSurface baked(const TriMesh& skin, int side_pixels, ColourOf&& colour_of) {
+  const Atlas atlas(skin.triangles.size(), side_pixels);
+  const auto side = static_cast<std::size_t>(atlas.side);
+  TexturedSurface result{skin, {}, {atlas.side, atlas.side, {}}};
+  result.photograph.rgb.assign(3 * side * side, 128);
+  for (std::size_t t = 0; t < skin.triangles.size(); ++t) {
+    const auto corners = atlas.corners(t);
+    const double way = corners[0][0] < corners[1][0] ? 1.0 : -1.0;
+    const double length = std::abs(corners[1][0] - corners[0][0]);
+    std::array<TextureCorner, 3> texture;
+    for (std::size_t k = 0; k < 3; ++k) {
+      texture[k] = {static_cast<float>((corners[k][0] + 0.5) / atlas.side),
+                    static_cast<float>((corners[k][1] + 0.5) / atlas.side)};
+    }
+    result.corners.push_back(texture);
+    // One pixel more on every side than the triangle, for bilinear look-up.
+    const int last = static_cast<int>(length) + 1;
+    for (int i = -1; i <= last; ++i) {
+      for (int j = -1; i + j <= last; ++j) {
+        const int x = static_cast<int>(corners[0][0] + way * i);
+        const int y = atlas.side - 1 - static_cast<int>(corners[0][1] + way * j);
+        if (x < 0 || y < 0 || x >= atlas.side || y >= atlas.side) {
+          continue;
+        }
+        const double wb = i / length, wc = j / length;
+        const Colour colour = colour_of(t, std::array<double, 3>{1 - wb - wc, wb, wc});
+        const std::size_t at = 3 * (static_cast<std::size_t>(y) * side + static_cast<std::size_t>(x));
+        for (std::size_t c = 0; c < 3; ++c) {
+          result.photograph.rgb[at + c] =
+              static_cast<unsigned char>(std::clamp(colour[c], 0.0, 255.0));
+        }
+      }
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 TexturedSurface carry_texture(const Warp& warp, const TexturedSurface& scan, const TriMesh& skin,
@@ -114,54 +153,42 @@ TexturedSurface carry_texture(const Warp& warp, const TexturedSurface& scan, con
   const Sampler sampler(scan);
   const std::vector<Colour> colours = vertex_colours(bent, sampler);
   const std::vector<Vec3> normals = vertex_normals(bent);
-  const Atlas atlas(bent.triangles.size(), side_pixels);
-  TexturedSurface result{skin, {}, {atlas.side, atlas.side, {}}};
-  result.photograph.rgb.assign(
-      3 * static_cast<std::size_t>(atlas.side) * static_cast<std::size_t>(atlas.side), 128);
-  for (std::size_t t = 0; t < bent.triangles.size(); ++t) {
-    const auto corners = atlas.corners(t);
-    const double half = corners[0][0] < corners[1][0] ? 1.0 : -1.0;
-    const double length = std::abs(corners[1][0] - corners[0][0]);
-    std::array<TextureCorner, 3> texture;
+  return baked(skin, side_pixels, [&](std::size_t t, const std::array<double, 3>& w) {
+    Vec3 p{}, n{};
+    Colour colour{}, seen{};
     for (std::size_t k = 0; k < 3; ++k) {
-      texture[k] = {static_cast<float>((corners[k][0] + 0.5) / atlas.side),
-                    static_cast<float>((corners[k][1] + 0.5) / atlas.side)};
-    }
-    result.corners.push_back(texture);
-    // One pixel more on every side than the triangle, for bilinear look-up.
-    for (int i = -1; i <= static_cast<int>(length) + 1; ++i) {
-      for (int j = -1; i + j <= static_cast<int>(length) + 1; ++j) {
-        const double wb = i / length, wc = j / length, wa = 1 - wb - wc;
-        const auto& triangle = bent.triangles[t];
-        const std::array<double, 3> w{wa, wb, wc};
-        Vec3 p{}, n{};
-        Colour colour{};
-        for (std::size_t k = 0; k < 3; ++k) {
-          const auto v = static_cast<std::size_t>(triangle[k]);
-          p += w[k] * bent.points[v];
-          n += w[k] * normals[v];
-          for (std::size_t c = 0; c < 3; ++c) {
-            colour[c] += w[k] * colours[v][c];
-          }
-        }
-        if (Colour seen{}; sampler.colour_at(p, n, seen)) {
-          colour = seen;
-        }
-        const int x = static_cast<int>(corners[0][0] + half * i);
-        const int y = atlas.side - 1 - static_cast<int>(corners[0][1] + half * j);
-        if (x < 0 || y < 0 || x >= atlas.side || y >= atlas.side) {
-          continue;
-        }
-        for (std::size_t c = 0; c < 3; ++c) {
-          result.photograph
-              .rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(atlas.side) +
-                        static_cast<std::size_t>(x)) +
-                   c] = static_cast<unsigned char>(std::clamp(colour[c], 0.0, 255.0));
-        }
+      const auto v = static_cast<std::size_t>(bent.triangles[t][k]);
+      p += w[k] * bent.points[v];
+      n += w[k] * normals[v];
+      for (std::size_t c = 0; c < 3; ++c) {
+        colour[c] += w[k] * colours[v][c];
       }
     }
-  }
-  return result;
+    return sampler.colour_at(p, n, seen) ? seen : colour;
+  });
+}
+
+TexturedSurface clay(const TriMesh& skin, const std::array<Vec3, 2>& nipple, int side_pixels) {
+  constexpr Colour tone{213, 170, 145}, areola{176, 116, 98}, tip{158, 98, 84};
+  constexpr double areola_m = 0.019, tip_m = 0.006, soft_m = 0.0015;
+  const auto blend = [](const Colour& a, const Colour& b, double share) {
+    Colour mixed;
+    for (std::size_t c = 0; c < 3; ++c) {
+      mixed[c] = (1 - share) * a[c] + share * b[c];
+    }
+    return mixed;
+  };
+  return baked(skin, side_pixels, [&](std::size_t t, const std::array<double, 3>& w) {
+    Vec3 p{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      p += w[k] * skin.points[static_cast<std::size_t>(skin.triangles[t][k])];
+    }
+    const double r = std::min(norm(p - nipple[0]), norm(p - nipple[1]));
+    const auto inside = [&](double radius) {
+      return std::clamp((radius - r) / soft_m + 0.5, 0.0, 1.0);
+    };
+    return blend(blend(tone, areola, inside(areola_m)), tip, inside(tip_m));
+  });
 }
 
 }  // namespace sanatrix::outcome

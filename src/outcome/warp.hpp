@@ -26,5 +26,9 @@ std::vector<Vec3> carry_to_scan(const Warp& warp, std::span<const Vec3> displace
 /// Every triangle has its own place in it. Holes of the scan are filled from their surroundings.
 TexturedSurface carry_texture(const Warp& warp, const TexturedSurface& scan, const TriMesh& skin,
                               int side_pixels = 1024);
+/// For patients without a scan: even skin with areolae of the usual size around the nipples
+/// (diameter 38 mm, Sanuki et al. 2009, doi:10.1007/s00266-008-9285-z).
+TexturedSurface clay(const TriMesh& skin, const std::array<Vec3, 2>& nipple,
+                     int side_pixels = 1024);
 
 }  // namespace sanatrix::outcome
