@@ -1,7 +1,9 @@
 // The subcommands of `sanatrix`: each adds itself to the command line and is one file.
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,9 +20,20 @@ struct Common {
   std::vector<std::string> arguments;  ///< as given, for the ranks of --ranks
 };
 
+/// Scans of the patient's surface, as options of several commands.
+struct ScanOptions {
+  std::string scan, followup, scan_landmarks, followup_landmarks;
+
+  void add_to(CLI::App& command);
+  /// Those that were given, by the names of pipeline::replace_scan.
+  [[nodiscard]] std::map<std::string, std::filesystem::path> given() const;
+};
+
 /// Set by the parser when a subcommand was chosen; returns the exit code.
 using Command = std::function<int()>;
 
+void add_report(CLI::App& app, Common& common, Command& chosen);
+void add_compare(CLI::App& app, Common& common, Command& chosen);
 void add_phantom(CLI::App& app, Common& common, Command& chosen);
 void add_new(CLI::App& app, Common& common, Command& chosen);
 void add_run(CLI::App& app, Common& common, Command& chosen);

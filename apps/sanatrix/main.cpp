@@ -24,6 +24,29 @@ void add_ranks(CLI::App& command, Common& common) {
       ->check(CLI::Range(1, 1024));
 }
 
+void ScanOptions::add_to(CLI::App& command) {
+  command.add_option("--scan", scan,
+                     "surface scan of the standing patient before surgery: .obj (with .mtl and "
+                     "photographs), .ply, .stl");
+  command.add_option("--followup", followup, "surface scan after healing, to compare with");
+  command.add_option("--scan-landmarks", scan_landmarks,
+                     "JSON with landmarks_scan_mm of --scan, when it cannot be laid on by itself");
+  command.add_option("--followup-landmarks", followup_landmarks, "the same for --followup");
+}
+
+std::map<std::string, std::filesystem::path> ScanOptions::given() const {
+  std::map<std::string, std::filesystem::path> files;
+  for (const auto& [name, file] : {std::pair{"scan", scan},
+                                   {"followup", followup},
+                                   {"scan_landmarks", scan_landmarks},
+                                   {"followup_landmarks", followup_landmarks}}) {
+    if (!file.empty()) {
+      files[name] = file;
+    }
+  }
+  return files;
+}
+
 namespace {
 
 constexpr auto exit_codes =
@@ -45,8 +68,9 @@ int run(int argc, char** argv) {
   Common common;
   common.arguments.assign(argv + 1, argv + argc);
   Command chosen;
-  for (const auto add : {add_phantom, add_new, add_run, add_status, add_solve, add_params,
-                         add_score, add_verify, add_version}) {
+  for (const auto add :
+       {add_phantom, add_new, add_run, add_status, add_solve, add_params, add_score, add_report,
+        add_compare, add_verify, add_version}) {
     add(app, common, chosen);
   }
   try {

@@ -11,11 +11,15 @@ namespace {
 struct Arguments {
   std::string folder, labels, image, plan;
   std::string preset = "sanatrix";
+  ScanOptions scans;
 };
 
 int make(const Arguments& given, const Common& common) {
-  pipeline::NewCase inputs{
-      .labels = given.labels, .label_preset = given.preset, .image = {}, .plan = {}};
+  pipeline::NewCase inputs{.labels = given.labels,
+                           .label_preset = given.preset,
+                           .image = {},
+                           .plan = {},
+                           .scans = given.scans.given()};
   if (!given.image.empty()) {
     inputs.image = given.image;
   }
@@ -51,6 +55,7 @@ void add_new(CLI::App& app, Common& common, Command& chosen) {
   command->add_option("--labels-preset", given->preset, "label table: sanatrix or pelicano")
       ->capture_default_str();
   command->add_option("--plan", given->plan, "surgical plan (JSON)");
+  given->scans.add_to(*command);
   add_json(*command, common);
   command->callback([given, &common, &chosen] {
     chosen = [=, &common] {

@@ -18,15 +18,19 @@ using nlohmann::json;
 struct Arguments {
   std::string folder, from, to, plan;
   std::vector<std::string> assignments;
+  ScanOptions scans;
 };
 
-/// Applies --plan and --set, all or nothing, and keeps them in case.json.
+/// Applies --plan, --set, --scan and --followup, all or nothing, and keeps them in case.json.
 void change(pipeline::Case& patient, const Arguments& given) {
   if (!given.plan.empty()) {
     pipeline::replace_plan(patient, given.plan);
   }
   for (const std::string& assignment : given.assignments) {
     patient.parameters.set(assignment);
+  }
+  for (const auto& [name, file] : given.scans.given()) {
+    pipeline::replace_scan(patient, name, file);
   }
   patient.parameters.check();
   pipeline::follow_plan(patient);
@@ -110,6 +114,7 @@ void add_run(CLI::App& app, Common& common, Command& chosen) {
   command->add_option("--set", given->assignments, "key=value, kept in the case; may be repeated")
       ->allow_extra_args(true);
   command->add_option("--plan", given->plan, "replaces the surgical plan");
+  given->scans.add_to(*command);
   add_ranks(*command, common);
   add_json(*command, common);
   add_progress(*command, common);

@@ -6,26 +6,12 @@
 #include <numeric>
 
 #include "core/error.hpp"
+#include "outcome/scan_target.hpp"
 
 namespace sanatrix::outcome {
 namespace {
 
 constexpr double cm3 = 1e6, mm = 1e3;  // per m3, per m
-
-/// A third of the area of the triangles around each vertex [m2].
-std::vector<double> vertex_areas(const TriMesh& surface) {
-  std::vector<double> areas(surface.points.size(), 0.0);
-  for (const auto& triangle : surface.triangles) {
-    const auto corner = [&](std::size_t i) {
-      return surface.points[static_cast<std::size_t>(triangle[i])];
-    };
-    const double third = area(corner(0), corner(1), corner(2)) / 3.0;
-    for (const int v : triangle) {
-      areas[static_cast<std::size_t>(v)] += third;
-    }
-  }
-  return areas;
-}
 
 struct Sample {
   double value, weight;
@@ -48,13 +34,11 @@ double percentile(const std::vector<Sample>& ascending, double share) {
 
 }  // namespace
 
-SurfaceDistance surface_distance(const TriMesh& from, const TriMesh& to) {
-  const SurfaceTree tree(to);
-  const std::vector<double> areas = vertex_areas(from);
+SurfaceDistance statistics(std::span<const double> values, std::span<const double> weights) {
   std::vector<Sample> samples;
-  for (std::size_t v = 0; v < from.points.size(); ++v) {
-    if (areas[v] > 0) {
-      samples.push_back({tree.closest(from.points[v]).distance, areas[v]});
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (weights[i] > 0) {
+      samples.push_back({values[i], weights[i]});
     }
   }
   require(!samples.empty(), "a surface to measure distances from has no area");
@@ -76,6 +60,16 @@ SurfaceDistance surface_distance(const TriMesh& from, const TriMesh& to) {
           .p95 = percentile(samples, 0.95),
           .max = samples.back().value,
           .samples = samples.size()};
+}
+
+SurfaceDistance surface_distance(const TriMesh& from, const TriMesh& to) {
+  const SurfaceTree tree(to);
+  std::vector<double> distances;
+  distances.reserve(from.points.size());
+  for (const Vec3& p : from.points) {
+    distances.push_back(tree.closest(p).distance);
+  }
+  return statistics(distances, vertex_areas(from));
 }
 
 std::array<TissueVolumes, 2> tissue_volumes(const TetMesh& mesh, std::span<const Vec3> points,

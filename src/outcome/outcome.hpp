@@ -16,6 +16,8 @@ struct SurfaceDistance {
   double mean, deviation, p50, p90, p95, max;
   std::size_t samples;
 };
+/// Of weighted values; values without weight are left out. Error{Input} when none is left.
+SurfaceDistance statistics(std::span<const double> values, std::span<const double> weights);
 /// From the vertices of `from` (area-weighted) to the closest points of `to`.
 SurfaceDistance surface_distance(const TriMesh& from, const TriMesh& to);
 

@@ -11,6 +11,7 @@
 #include "core/files.hpp"
 #include "imaging/segmentation.hpp"
 #include "io/image_file.hpp"
+#include "io/scan_file.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -156,6 +157,9 @@ Case create_case(const fs::path& folder, const NewCase& given) {
   if (given.plan) {
     replace_plan(patient, *given.plan);
   }
+  for (const auto& [name, file] : given.scans) {
+    replace_scan(patient, name, file);
+  }
   patient.pseudonym = fmt::format("case-{:.8}", patient.inputs["labels"].sha256);
   save_case(patient);
   fs::remove(final, problem);  // the empty folder, if there was one
@@ -201,6 +205,30 @@ void replace_plan(Case& patient, const fs::path& plan_file) {
   const std::string name = fmt::format("plan-{:.8}.json", sha256_of_file(plan_file));
   patient.inputs["plan"] = take_in(plan_file, patient.folder, name);
   patient.parameters.reset("surgery.");
+}
+
+void replace_scan(Case& patient, const std::string& name, const fs::path& file) {
+  if (name.ends_with("_landmarks")) {
+    const json j = json::parse(read_text(file), nullptr, false);
+    require(j.is_object() && j.contains("landmarks_scan_mm"),
+            "{}: it has no object landmarks_scan_mm with nipple_L, nipple_R, sternal_notch",
+            file.filename().string());
+    patient.inputs[name] =
+        take_in(file, patient.folder, fmt::format("{}-{:.8}.json", name, sha256_of_file(file)));
+    return;
+  }
+  io::read_scan(file, io::parse_scan_unit(patient.parameters.text("outcome.scan_unit")));
+  std::erase_if(patient.inputs, [&](const auto& entry) {
+    return entry.first == name || entry.first.starts_with(name + ".");
+  });
+  const std::string stem = fmt::format("{}-{:.8}", name, sha256_of_file(file));
+  const std::vector<std::string> copies = io::copy_scan(file, patient.folder / "inputs", stem);
+  for (std::size_t i = 0; i < copies.size(); ++i) {
+    const fs::path copy = patient.folder / "inputs" / copies[i];
+    const std::string key = i == 0 ? name : fmt::format("{}.{}", name, i);
+    patient.inputs[key] = {"inputs/" + copies[i], sha256_of_file(copy)};
+    fs::permissions(copy, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+  }
 }
 
 void follow_plan(Case& patient) {

@@ -22,7 +22,7 @@ struct Case {
   std::filesystem::path folder;
   std::string pseudonym;  ///< made from the labels' hash; no name of anybody
   std::string label_preset = "sanatrix";
-  std::map<std::string, InputFile> inputs;  ///< "labels", and perhaps "image", "plan"
+  std::map<std::string, InputFile> inputs;  ///< "labels", and perhaps "image", "plan", "scan", ...
   Parameters parameters;
   std::optional<FocusRule> focus;  ///< where the mesh is fine; follows the plan lazily
 
@@ -37,6 +37,7 @@ struct NewCase {
   std::filesystem::path labels;
   std::string label_preset = "sanatrix";
   std::optional<std::filesystem::path> image, plan;
+  std::map<std::string, std::filesystem::path> scans;  ///< as for replace_scan
 };
 /// Creates the folder completely or not at all. Error{Input} when it exists and is not empty, or
 /// when an input cannot be read.
@@ -47,6 +48,10 @@ void save_case(const Case& patient);
 
 /// Replaces the plan; surgery.* parameters return to what the new plan says.
 void replace_plan(Case& patient, const std::filesystem::path& plan_file);
+/// Attaches a surface scan in the place of an earlier one: "scan" (before surgery) or "followup",
+/// with its material file and photographs; or the landmarks marked on one: "scan_landmarks",
+/// "followup_landmarks". Error{Input} when it cannot be read.
+void replace_scan(Case& patient, const std::string& name, const std::filesystem::path& file);
 /// Moves the mesh focus when the plan has left it.
 void follow_plan(Case& patient);
 /// Error{Input} when a file in inputs/ is not what was given.

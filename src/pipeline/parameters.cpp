@@ -97,6 +97,8 @@ void add_treatment(std::vector<ParameterInfo>& t) {
                      "cvode: adaptive implicit; explicit: the paper's Euler steps", "cvode"));
   t.push_back(number("heal.dt_s", "17.28", 1e-3, 1e5, "s", "step of the explicit scheme"));
   t.push_back(number("heal.relative_tolerance", "1e-4", 1e-10, 1e-2, "", "of cvode"));
+  t.push_back(choice("outcome.scan_unit", {"guess", "mm", "cm", "m"},
+                     "unit of length of the surface scans; guess: by their size", "guess"));
   t.push_back(choice("outcome.pictures", {"yes", "no"}, "make PNG pictures", "yes"));
 }
 

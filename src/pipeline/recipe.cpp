@@ -60,6 +60,12 @@ Recipe recipe(const Case& patient, Stage stage) {
     made.entries["focus"] = describe(*patient.focus);
   } else if (stage == Stage::Surgery) {
     add_input("plan");
+  } else if (stage == Stage::Outcome) {
+    for (const auto& [name, input] : patient.inputs) {
+      if (name.starts_with("scan") || name.starts_with("followup")) {
+        add_input(name);
+      }
+    }
   }
   return made;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pipeline/json_object.hpp"
+
 namespace sanatrix::pipeline {
 
 CaseResult load_result(const Case& patient) {
@@ -18,7 +20,8 @@ CaseResult load_result(const Case& patient) {
                     .after = load_shape(file(Stage::Upright, "after.bin")),
                     .history = load_history(file(Stage::Heal, "history.bin")),
                     .species = {},
-                    .frames = {}};
+                    .frames = {},
+                    .landmarks = {}};
   const auto biology = healing::make_model(patient.parameters.text("heal.preset"),
                                            patient.parameters.list("heal.overrides"));
   result.species.assign(biology->species().begin(), biology->species().end());
@@ -26,6 +29,12 @@ CaseResult load_result(const Case& patient) {
     if (entry.path().extension() == ".bin") {
       result.frames.push_back(load_frame(entry.path()));
     }
+  }
+  // Above the breasts the skin lies on bone: the notch is in the same place in every pose.
+  const nlohmann::json plan = nlohmann::json::parse(result.plan.document, nullptr, false);
+  if (plan.is_object() && plan.contains("sternal_notch_lps_mm")) {
+    const std::vector<double> mm = JsonObject(plan, "plan").numbers("sternal_notch_lps_mm", 3);
+    result.landmarks["sternal_notch"] = 1e-3 * Vec3{mm[0], mm[1], mm[2]};
   }
   std::ranges::sort(result.frames, {}, &Frame::t_day);
   return result;

@@ -14,7 +14,8 @@ struct CaseResult {
   SolvedShape unloaded, supine, healed, before, after;
   std::vector<recovery::HistoryRow> history;
   std::vector<healing::Species> species;
-  std::vector<Frame> frames;  ///< in time
+  std::vector<Frame> frames;              ///< in time
+  std::map<std::string, Vec3> landmarks;  ///< upright before surgery, where known: sternal_notch
 
   [[nodiscard]] std::span<const Vec3> points(const SolvedShape& solved) const {
     return vertices(model.mesh, solved.shape);

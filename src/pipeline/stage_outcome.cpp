@@ -8,7 +8,9 @@
 #include "core/files.hpp"
 #include "outcome/outcome.hpp"
 #include "pipeline/body.hpp"
+#include "pipeline/cosmetics.hpp"
 #include "pipeline/result.hpp"
+#include "pipeline/scans.hpp"
 #include "pipeline/stages.hpp"
 
 namespace sanatrix::pipeline {
@@ -16,6 +18,7 @@ namespace {
 
 using nlohmann::json;
 using Volumes = std::array<outcome::TissueVolumes, 2>;  // [0] right, [1] left
+constexpr auto scan_poses = "scan_poses.bin";
 constexpr std::array side_letter{"R", "L"};
 
 /// Vertices of the operated breast.
@@ -137,10 +140,20 @@ StageNotes run_outcome(const StageInput& in) {
   write_text(in.out / "tissue_table.csv", tissue_table(volumes, mass_g));
   write_text(in.out / "volume_history.csv", volume_history(result));
   write_fig7(result, in.out / "skin_displacement.vtp");
+  const Skin skin = skin_of(result);
+  const Scans scans = load_scans(in.patient, result, skin, in.from(Stage::Outcome) / scan_poses,
+                                 in.out / scan_poses, in.ctx);
+  j["scans"] = scans_json(scans);
+  const Cosmetics cosmetics = cosmetics_of(result, skin);
+  j["cosmetics"] = cosmetics_json(cosmetics);
+  write_text(in.out / "metrics.csv", cosmetics_csv(cosmetics));
+  if (scans.followup) {
+    write_text(in.out / "table1.csv", table1_csv(*scans.followup));
+  }
 
   StageNotes notes;
   if (in.parameters().text("outcome.pictures") == "yes") {
-    in.ctx.at(0.2, "pictures");
+    in.ctx.at(0.5, "pictures");
     if (const auto reason = write_pictures(result, in.out)) {
       notes.warnings.push_back("no pictures: " + *reason);
     }

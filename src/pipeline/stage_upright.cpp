@@ -11,13 +11,6 @@
 namespace sanatrix::pipeline {
 namespace {
 
-/// The pose before surgery does not depend on the plan: what it depends on, as a fingerprint.
-std::string key_before(const Case& patient) {
-  Recipe made = recipe(patient, Stage::Upright);
-  made.entries.erase("stage heal");
-  return made.fingerprint();
-}
-
 /// The pose before surgery from the last good result, if nothing changed that it depends on.
 std::optional<SolvedShape> kept_before(const StageInput& in, const std::string& key) {
   const std::filesystem::path folder = in.from(Stage::Upright);
@@ -36,7 +29,7 @@ std::optional<SolvedShape> kept_before(const StageInput& in, const std::string& 
 void write_before(const StageInput& in, const meshing::BreastModel& model,
                   const SolvedShape& before, std::span<const Vec3> unloaded) {
   Archive key;
-  key.texts["key"] = key_before(in.patient);
+  key.texts["key"] = upright_before_key(in.patient);
   key.save(in.out / "before_key.bin");
   save_shape(before, in.out / "before.bin");
   const std::span<const Vec3> pose = vertices(model.mesh, before.shape);
@@ -57,6 +50,12 @@ void write_after(const StageInput& in, const meshing::BreastModel& model, const 
 
 }  // namespace
 
+std::string upright_before_key(const Case& patient) {
+  Recipe made = recipe(patient, Stage::Upright);
+  made.entries.erase("stage heal");
+  return made.fingerprint();
+}
+
 StageNotes run_upright(const StageInput& in) {
   const meshing::BreastModel model = load_model(in.from(Stage::Mesh) / "model.bin");
   const mechanics::Shape unloaded = load_shape(in.from(Stage::Unload) / "shape.bin").shape;
@@ -65,7 +64,7 @@ StageNotes run_upright(const StageInput& in) {
   StageNotes notes;
   std::optional<SolvedShape> before;
   if (!in.anew) {
-    before = kept_before(in, key_before(in.patient));
+    before = kept_before(in, upright_before_key(in.patient));
   }
   if (!before) {
     const Context part = in.ctx.part(0.0, 0.6);

@@ -6,6 +6,10 @@
 
 namespace sanatrix::pipeline {
 
+/// Fingerprint of all that the upright pose before surgery depends on; the plan does not belong to
+/// it.
+std::string upright_before_key(const Case& patient);
+
 StageNotes run_image(const StageInput& in);
 StageNotes run_segment(const StageInput& in);
 StageNotes run_mesh(const StageInput& in);

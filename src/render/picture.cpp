@@ -1,12 +1,16 @@
 // Surfaces seen from a named side, coloured by a scalar, with arrows.
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <map>
 
 #include <vtkActor.h>
 #include <vtkArrowSource.h>
 #include <vtkCellArray.h>
 #include <vtkDoubleArray.h>
+#include <vtkFloatArray.h>
 #include <vtkGlyph3D.h>
+#include <vtkImageData.h>
 #include <vtkLookupTable.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
@@ -15,6 +19,7 @@
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
+#include <vtkTexture.h>
 
 #include "core/error.hpp"
 #include "render/colours.hpp"
@@ -41,6 +46,36 @@ vtkNew<vtkPoints> vtk_points(const std::vector<Vec3>& values) {
   return points;
 }
 
+vtkNew<vtkImageData> image_of(const Photograph& photograph) {
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(photograph.width, photograph.height, 1);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  auto* pixels = static_cast<unsigned char*>(image->GetScalarPointer());
+  const auto row = static_cast<std::ptrdiff_t>(3 * photograph.width);
+  for (std::ptrdiff_t y = 0; y < photograph.height; ++y) {  // VTK begins with the lowest row
+    std::copy_n(photograph.rgb.begin() + (photograph.height - 1 - y) * row, row, pixels + y * row);
+  }
+  return image;
+}
+
+void add_texture(vtkActor& prop, vtkPolyData& data, const Actor& actor) {
+  vtkNew<vtkFloatArray> corners;
+  corners->SetNumberOfComponents(2);
+  for (const TextureCorner& at : actor.corner) {
+    corners->InsertNextTuple(at.data());
+  }
+  data.GetPointData()->SetTCoords(corners);
+  vtkNew<vtkTexture> texture;
+  texture->SetInputData(image_of(*actor.photograph));
+  texture->InterpolateOn();
+  texture->MipmapOff();
+  prop.SetTexture(texture);
+  // A photograph brings its own light.
+  prop.GetProperty()->SetColor(1, 1, 1);
+  prop.GetProperty()->SetAmbient(0.4);
+  prop.GetProperty()->SetDiffuse(0.65);
+}
+
 void add_surface(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours) {
   vtkNew<vtkCellArray> triangles;
   for (const auto& [a, b, c] : actor.surface.triangles) {
@@ -49,7 +84,8 @@ void add_surface(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours
   vtkNew<vtkPolyData> data;
   data->SetPoints(vtk_points(actor.surface.points));
   data->SetPolys(triangles);
-  data->GetPointData()->SetNormals(vtk_vectors(vertex_normals(actor.surface)));
+  data->GetPointData()->SetNormals(
+      vtk_vectors(actor.normals.empty() ? vertex_normals(actor.surface) : actor.normals));
   vtkNew<vtkPolyDataMapper> mapper;
   if (!actor.scalar.empty()) {
     ensure(actor.scalar.size() == actor.surface.points.size(), "{} colours for {} vertices",
@@ -71,6 +107,9 @@ void add_surface(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours
   look.SetOpacity(actor.opacity);
   look.SetAmbient(actor.scalar.empty() ? 0.15 : 0.45);  // colours that carry numbers stay readable
   look.SetDiffuse(actor.scalar.empty() ? 0.85 : 0.55);
+  if (actor.photograph) {
+    add_texture(*prop, *data, actor);
+  }
   if (actor.wireframe) {
     look.SetRepresentationToWireframe();
     look.LightingOff();
@@ -154,6 +193,31 @@ void add_arrows(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours)
 }
 
 }  // namespace
+
+std::vector<Actor> textured(const TexturedSurface& surface) {
+  if (!surface.has_photograph()) {
+    Actor plain;
+    plain.surface = surface.mesh;
+    return {plain};
+  }
+  const SeamlessSurface seamless = split_at_seams(surface);
+  const std::vector<Vec3> normals = vertex_normals(surface.mesh);
+  Actor photographed;
+  photographed.surface = seamless.mesh;
+  photographed.corner = seamless.corner;
+  photographed.photograph = std::make_shared<Photograph>(surface.photograph);
+  for (const int origin : seamless.origin) {
+    photographed.normals.push_back(normals[static_cast<std::size_t>(origin)]);
+  }
+  Actor plain = photographed;
+  plain.photograph = nullptr;
+  const auto has_none = [&](const std::array<int, 3>& t) {
+    return std::isnan(seamless.corner[static_cast<std::size_t>(t[0])][0]);
+  };
+  std::erase_if(photographed.surface.triangles, has_none);
+  std::erase_if(plain.surface.triangles, std::not_fn(has_none));
+  return {photographed, plain};
+}
 
 void write_picture(const std::vector<Panel>& panels, int columns, const std::filesystem::path& file,
                    int panel_width, int panel_height) {

@@ -4,11 +4,12 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "geometry/tri_mesh.hpp"
+#include "geometry/textured_surface.hpp"
 
 namespace sanatrix::render {
 
@@ -33,7 +34,12 @@ struct Actor {
   /// Per point [m], empty: none. Drawn in true length where longer than 0.5 mm, coloured by their
   /// length in mm; of crowded arrows the longest.
   std::vector<Vec3> arrows;
+  std::vector<Vec3> normals;  ///< per point, empty: of the surface
+  std::vector<TextureCorner> corner;  ///< per point, with a photograph
+  std::shared_ptr<const Photograph> photograph;
 };
+/// A surface with its photograph; faces without one are plain.
+std::vector<Actor> textured(const TexturedSurface& surface);
 struct Panel {
   std::vector<Actor> actors;
   View view = View::Front;

@@ -1,0 +1,70 @@
+// Looking up colours, and giving every point one texture coordinate.
+#include "geometry/textured_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <unordered_map>
+
+namespace sanatrix {
+
+std::array<double, 3> Photograph::at(double u, double v) const {
+  const double x = std::clamp(u * width - 0.5, 0.0, width - 1.0);
+  const double y = std::clamp((1.0 - v) * height - 0.5, 0.0, height - 1.0);
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, width - 1), y1 = std::min(y0 + 1, height - 1);
+  const double fx = x - x0, fy = y - y0;
+  std::array<double, 3> colour{};
+  const auto add = [&](int px, int py, double weight) {
+    const std::size_t at = 3 * (static_cast<std::size_t>(py) * static_cast<std::size_t>(width) +
+                                static_cast<std::size_t>(px));
+    for (std::size_t k = 0; k < 3; ++k) {
+      colour[k] += weight * rgb[at + k];
+    }
+  };
+  add(x0, y0, (1 - fx) * (1 - fy));
+  add(x1, y0, fx * (1 - fy));
+  add(x0, y1, (1 - fx) * fy);
+  add(x1, y1, fx * fy);
+  return colour;
+}
+
+SeamlessSurface split_at_seams(const TexturedSurface& surface) {
+  SeamlessSurface result;
+  const auto bits = [](float value) {
+    std::uint32_t b = 0;
+    std::memcpy(&b, &value, sizeof b);
+    return b;
+  };
+  // Points with the texture coordinates under which they were met, as a chain per point.
+  std::vector<int> first(surface.mesh.points.size(), -1), next;
+  result.mesh.triangles.reserve(surface.mesh.triangles.size());
+  for (std::size_t t = 0; t < surface.mesh.triangles.size(); ++t) {
+    std::array<int, 3> triangle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int point = surface.mesh.triangles[t][k];
+      const TextureCorner corner =
+          surface.corners.empty() ? TextureCorner{0, 0} : surface.corners[t][k];
+      int copy = first[static_cast<std::size_t>(point)];
+      while (copy >= 0 &&
+             (bits(result.corner[static_cast<std::size_t>(copy)][0]) != bits(corner[0]) ||
+              bits(result.corner[static_cast<std::size_t>(copy)][1]) != bits(corner[1]))) {
+        copy = next[static_cast<std::size_t>(copy)];
+      }
+      if (copy < 0) {
+        copy = static_cast<int>(result.corner.size());
+        result.mesh.points.push_back(surface.mesh.points[static_cast<std::size_t>(point)]);
+        result.corner.push_back(corner);
+        result.origin.push_back(point);
+        next.push_back(first[static_cast<std::size_t>(point)]);
+        first[static_cast<std::size_t>(point)] = copy;
+      }
+      triangle[k] = copy;
+    }
+    result.mesh.triangles.push_back(triangle);
+  }
+  return result;
+}
+
+}  // namespace sanatrix

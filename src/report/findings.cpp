@@ -1,0 +1,82 @@
+#include "report/findings.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/error.hpp"
+#include "core/files.hpp"
+#include "pipeline/body.hpp"
+
+namespace sanatrix::report {
+
+using pipeline::Stage;
+
+Findings find(const pipeline::Case& patient, const Context& ctx) {
+  for (const auto& stage : pipeline::all_stages()) {
+    const pipeline::StageStatus status = pipeline::status(patient, stage.id);
+    if (status.state != pipeline::State::Fresh) {
+      throw Error(Fault::Input,
+                  fmt::format("{}: its stage {} is {} ({})",
+                              patient.folder.filename().string(), stage.name,
+                              pipeline::name_of(status.state), status.reason),
+                  "bring the case up to date with `sanatrix run` first");
+    }
+  }
+  Findings f{.patient = patient,
+             .result = pipeline::load_result(patient),
+             .skin = {},
+             .scans = {},
+             .outcome = {},
+             .folder = std::filesystem::absolute(patient.folder).lexically_normal().filename()};
+  if (f.folder.empty()) {
+    f.folder = std::filesystem::absolute(patient.folder).lexically_normal().parent_path().filename();
+  }
+  f.skin = pipeline::skin_of(f.result);
+  const auto outcome = patient.stage_folder(Stage::Outcome);
+  f.scans = pipeline::load_scans(patient, f.result, f.skin, outcome / "scan_poses.bin", {}, ctx);
+  f.outcome = nlohmann::json::parse(read_text(outcome / "outcome.json"));
+  return f;
+}
+
+PlanInWords in_words(const Findings& f) {
+  const pipeline::CaseResult& r = f.result;
+  PlanInWords words;
+  const int side = r.side();
+  words.side = side > 0 ? "LEFT" : "RIGHT";
+  const bool supine = r.plan.frame == surgery::Frame::Supine;
+  const std::span<const Vec3> pose =
+      supine ? r.points(r.supine) : std::span<const Vec3>(r.model.mesh.points);
+  const Vec3 nipple = pose[static_cast<std::size_t>(r.model.nipple_vertex[side > 0 ? 1 : 0])];
+  const Vec3 from = r.plan.tumour_centre - nipple;
+  // Whoever faces the patient sees her left on the right hand: three o'clock is her left.
+  double hours = std::atan2(from[0], from[2]) * 6 / std::numbers::pi;
+  hours = std::round(2 * hours) / 2;
+  words.clock = hours <= 0 ? hours + 12 : hours;
+  words.from_nipple_mm = 1e3 * norm(from);
+  constexpr double central_m = 0.02;
+  const bool outer = side * from[0] > 0;
+  words.quadrant = std::hypot(from[0], from[2]) < central_m
+                       ? "central"
+                       : fmt::format("{} {}", from[2] > 0 ? "upper" : "lower", outer ? "outer" : "inner");
+  words.margin_mm = 1e3 * r.plan.margin;
+  words.radius_mm = 1e3 * r.plan.radius.value_or(r.plan.tumour_radius + r.plan.margin);
+  words.excised_cm3 = 1e6 * r.wound.excised_m3;
+  words.excised_percent = f.outcome.at("excised_percent");
+  words.skin_mm = 1e3 * r.wound.min_skin_distance_m;
+  words.chest_mm = 1e3 * r.wound.min_chest_distance_m;
+  const auto tissue = pipeline::tissue_values(f.patient.parameters);
+  const std::vector<double> volumes = cell_volumes(
+      r.model.mesh, supine ? r.points(r.supine) : std::span<const Vec3>(r.model.mesh.points));
+  double mass = 0, volume = 0;
+  for (std::size_t c = 0; c < volumes.size(); ++c) {
+    const double share = r.model.fibroglandular[c];
+    const double density =
+        share * tissue.fibroglandular.density + (1 - share) * tissue.adipose.density;
+    mass += r.wound.fraction[c] * volumes[c] * density;
+    volume += r.wound.fraction[c] * volumes[c];
+  }
+  words.excised_g = volume > 0 ? 1e3 * mass / volume * r.wound.excised_m3 : 0.0;
+  return words;
+}
+
+}  // namespace sanatrix::report
