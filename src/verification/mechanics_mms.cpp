@@ -28,7 +28,7 @@ Jet sine(const Jet& x) {
 }
 
 /// Two shears, each a function of what it does not move (det = 1), after a small change of volume
-/// of 0.1 % that brings a pressure of the size of the shear modulus.
+/// of 0.1 % that brings a pressure of half the shear modulus.
 std::array<Jet, 3> motion(const Vec3& X) {
   constexpr double k = std::numbers::pi / edge;
   std::array<Jet, 3> x{Jet::input(0, X[0]), Jet::input(1, X[1]), Jet::input(2, X[2])};
@@ -171,10 +171,13 @@ Errors solve(int n, Element element, const Context& ctx) {
   const TetMesh mesh = distorted_block(n);
   mechanics::Body body = make_body(mesh, element);
   const std::vector<Vec3> rest = mechanics::Solver(body).straight_nodes(mesh.points);
-  mechanics::Shape guess;  // a start near the solution: its values at the nodes, without pressure
+  mechanics::Shape guess;  // a start near the solution: its values at the nodes
   for (const Vec3& X : rest) {
     guess.nodes.push_back(exact_at(X).x);
     body.loads.prescribed.push_back(guess.nodes.back() - X);
+  }
+  for (const Vec3& X : mesh.points) {
+    guess.pressure.push_back(exact_at(X).pressure);
   }
   mechanics::Solver solver(body);
   const mechanics::Shape shape = solver.forward(rest, {}, &guess, ctx);
@@ -189,7 +192,7 @@ struct Quantity {
   std::string name;
   double Errors::*value;
   double order;    // of theory
-  double highest;  // that interpolation allows
+  double highest;  // of a smooth solution
 };
 
 Findings convergence(Element element, const std::vector<int>& meshes,
@@ -219,10 +222,12 @@ Findings convergence(Element element, const std::vector<int>& meshes,
       table.rows[i].push_back(i == 0 ? "" : fmt::format("{:.2f}", orders[i - 1]));
     }
     plot.curves.push_back({q.name, h, error});
-    found.checks.push_back(within(
-        "order of " + q.name + ", two finest meshes", q.order - 0.2, q.highest + 0.2, orders.back(),
-        "",
-        q.highest > q.order ? "theory promises the reference, interpolation allows 2" : "theory"));
+    found.checks.push_back(within("order of " + q.name + ", two finest meshes", q.order - 0.2,
+                                  q.highest + 0.2, orders.back(), "",
+                                  q.highest > q.order
+                                      ? "theory promises the reference; the error passed on by the "
+                                        "displacement decays one order faster"
+                                      : "theory"));
     found.checks.back().reference = q.order;
   }
   found.tables.push_back(std::move(table));
@@ -231,9 +236,9 @@ Findings convergence(Element element, const std::vector<int>& meshes,
 }
 
 constexpr auto about =
-    "A block of 40 mm takes a smooth deformation with principal stretches between about 0.6 and "
-    "1.7; the body force and one face's traction are computed from the law by exact derivatives, "
-    "the other faces are held at their exact places; kappa/mu = 500, pressures of the size of mu. "
+    "A block of 40 mm takes a smooth deformation with shears of up to one half "
+    "(amplitude 0.16 pi); the body force and one face's traction are computed from the law by exact derivatives, "
+    "the other faces are held at their exact places; kappa/mu = 500, pressures of half mu. "
     "Errors of displacement, deformation gradient and pressure on distorted meshes. ";
 
 }  // namespace
@@ -244,7 +249,7 @@ void add_mechanics_mms(std::vector<Case>& cases) {
                                      {"pressure", &Errors::pressure, 1.0, 2.0}};
   const std::vector<Quantity> quadratic{{"displacement", &Errors::displacement, 3.0, 3.0},
                                         {"deformation gradient", &Errors::gradient, 2.0, 2.0},
-                                        {"pressure", &Errors::pressure, 2.0, 2.0}};
+                                        {"pressure", &Errors::pressure, 2.0, 3.0}};
   cases.push_back(
       {"mms-p1p1", "Manufactured solution, P1/P1", Chapter::CodeVerification, Cost::Fast,
        std::string(about) + "P1/P1 with pressure projection and the cells' own share of the bulk "
@@ -254,9 +259,9 @@ void add_mechanics_mms(std::vector<Case>& cases) {
          return convergence(Element::P1P1, {4, 8, 12, 16}, linear, ctx);
        }});
   cases.push_back({"mms-p2p1", "Manufactured solution, P2/P1", Chapter::CodeVerification,
-                   Cost::Full, std::string(about) + "Taylor-Hood; theory: orders 3, 2 and 2.",
+                   Cost::Fast, std::string(about) + "Taylor-Hood; theory: orders 3, 2 and 2.",
                    [=](const Context& ctx) {
-                     return convergence(Element::P2P1, {2, 4, 6, 8}, quadratic, ctx);
+                     return convergence(Element::P2P1, {4, 6, 8, 12}, quadratic, ctx);
                    }});
 }
 
