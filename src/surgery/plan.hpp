@@ -1,6 +1,7 @@
 // Step G: what the surgeon decides and what it removes. Pure geometry in one frame.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,10 @@ std::string write_plan(const Plan& plan);
 /// Error{Usage} for unknown names, Error{Input} for values out of range.
 void set_plan_value(Plan& plan, const std::string& key, const std::string& value);
 
+/// How finely volumes are measured: Full for results; Live while somebody drags a plan, 1 % off at
+/// most and several times faster.
+enum class Detail { Full, Live };
+
 /// The removed volume: a cylinder normal to the chest wall with smoothly rounded caps that stay
 /// `clearance` from skin and chest wall, as an implicit function. Always the one connected piece
 /// that holds the tumour. docs/theory/surgery.md
@@ -46,8 +51,8 @@ class Resection {
   /// The mesh's skin and chest boundaries at `points`, the pose of plan.frame. Error{Input} when
   /// the tumour is outside the model, on the wrong side of the midline, or nothing is left between
   /// the two clearances.
-  Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
-            double midline_x_m);
+  Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points, double midline_x_m,
+            Detail detail = Detail::Full);
   /// Negative inside; |value| is close to the distance near the surface [m].
   [[nodiscard]] double signed_distance(const Vec3& p) const;
   /// Share of a tetrahedron that is removed, 0..1.
@@ -97,10 +102,21 @@ class Resection {
   [[nodiscard]] Vec3 sample_point(double i, double j, double k) const;
   [[nodiscard]] bool in_piece(const Vec3& p) const;
 
-  SurfaceTree skin_tree_, chest_tree_;
+  /// Distance to a surface; remembers the last closest triangle, since queries come in rows.
+  struct Neighbour {
+    SurfaceTree tree;
+    mutable int last = -1;
+    [[nodiscard]] double distance(const Vec3& p, double reach) const {
+      return tree.distance(p, reach, last);
+    }
+  };
+  static constexpr double any_reach = std::numeric_limits<double>::infinity();
+
+  Neighbour skin_tree_, chest_tree_;
   TetLocator body_;
   Vec3 axis_{}, chest_{}, skin_{}, centre_{};
   double radius_ = 0.0, clearance_ = 0.0, blend_ = 0.0;
+  Detail detail_;
   Grid grid_;
   bool meets_clip_planes_ = false;
 };
@@ -114,6 +130,6 @@ struct Wound {
   std::vector<std::string> warnings;
 };
 Wound resect(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
-             double midline_x_m, const Context& ctx);
+             double midline_x_m, const Context& ctx, Detail detail = Detail::Full);
 
 }  // namespace sanatrix::surgery
