@@ -50,6 +50,7 @@ Planner::Planner(CaseStore& cases, JobQueue& jobs, const Abilities& abilities)
   add("GET", "/api/cases/{case}/volume", &Planner::volume);
   add("GET", "/api/cases/{case}/plan", &Planner::show_plan);
   add("POST", "/api/cases/{case}/preview", &Planner::preview_plan);
+  add("POST", "/api/cases/{case}/incisions/{kind}", &Planner::propose_incision);
   add("GET", "/api/cases/{case}/carry", &Planner::carry_point);
   add("GET", "/api/cases/{case}/files", &Planner::list_files);
   add("GET", "/api/cases/{case}/files/{stage}/{file}", &Planner::send_file);

@@ -55,6 +55,7 @@ class Planner final : public Handler {
   Response volume(const Request& request, const Parts& parts);
   Response show_plan(const Request& request, const Parts& parts);
   Response preview_plan(const Request& request, const Parts& parts);
+  Response propose_incision(const Request& request, const Parts& parts);
   Response carry_point(const Request& request, const Parts& parts);
   Response list_files(const Request& request, const Parts& parts);
   Response send_file(const Request& request, const Parts& parts);

@@ -197,6 +197,17 @@ Response Planner::preview_plan(const Request& request, const Parts& parts) {
       preview_bundle(plan, pipeline::preview(plan, *view, patient.parameters, detail), *view));
 }
 
+Response Planner::propose_incision(const Request& request, const Parts& parts) {
+  const pipeline::Case patient = cases_.open(parts[0]);
+  const surgery::Plan plan = surgery::read_plan(request.body, "plan");
+  json line = json::array();
+  for (const Vec3& p : usual_incision(parts[1], plan, *cases_.view(patient))) {
+    line.push_back((1.0 / mm) * p);
+  }
+  require(line.size() >= 2, "no such incision can be placed here");
+  return json_answer({{"line_mm", line}});
+}
+
 Response Planner::carry_point(const Request& request, const Parts& parts) {
   const pipeline::Case patient = cases_.open(parts[0]);
   const Vec3 point = mm * Vec3{number(request, "x"), number(request, "y"), number(request, "z")};

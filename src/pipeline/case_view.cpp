@@ -88,6 +88,7 @@ surgery::Plan in_frame(const surgery::Plan& plan, surgery::Frame frame, const Ca
         std::array<Vec3, 2>{centre - piece * *plan.axis, centre + piece * *plan.axis}, from, to);
     moved.axis = normalised(ends[1] - ends[0]);
   }
+  moved.outline = view.carry(plan.outline, from, to);
   for (auto& line : moved.incisions) {
     line = view.carry(line, from, to);
   }

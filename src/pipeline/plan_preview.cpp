@@ -4,9 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/error.hpp"
 #include "outcome/outcome.hpp"
 #include "pipeline/body.hpp"
 #include "pipeline/level_set.hpp"
+#include "surgery/incision.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -52,6 +54,40 @@ TumourPlace tumour_place(const surgery::Plan& plan, const CaseView& view) {
   const double angle = std::atan2(from_nipple[0], up) * 6.0 / std::numbers::pi;
   place.clock_hour = angle < 0.0 ? angle + 12.0 : angle;
   return place;
+}
+
+std::vector<Vec3> usual_incision(const std::string& kind, const surgery::Plan& plan,
+                                 const CaseView& view) {
+  constexpr double areola_radius = 20.0 * mm, fold_width = 60.0 * mm;
+  const meshing::BreastModel& model = view.model();
+  const std::vector<Vec3>& points = view.pose(pose_of(plan.frame));
+  const bool left = plan.side == surgery::Side::Left;
+  const Vec3 nipple = points[static_cast<std::size_t>(model.nipple_vertex[left ? 1 : 0])];
+  const surgery::Resection resection(plan, model.mesh, points, model.midline_x_m,
+                                     surgery::Detail::Live);
+  const Vec3 entry = resection.skin_point();
+  if (kind == "circumareolar") {
+    return surgery::circumareolar_incision(nipple, entry, areola_radius);
+  }
+  if (kind == "radial") {
+    return surgery::radial_incision(nipple, entry, areola_radius);
+  }
+  require(kind == "inframammary", "there is no incision \"{}\"", kind);
+  std::vector<bool> of_breast(points.size(), false);
+  for (std::size_t c = 0; c < model.mesh.cells.size(); ++c) {
+    if (model.in_breast[c] && (model.side[c] > 0) == left) {
+      for (const int v : model.mesh.cells[c]) {
+        of_breast[static_cast<std::size_t>(v)] = true;
+      }
+    }
+  }
+  std::vector<Vec3> skin;
+  for (const int v : vertices_on(model.mesh, "skin")) {
+    if (of_breast[static_cast<std::size_t>(v)]) {
+      skin.push_back(points[static_cast<std::size_t>(v)]);
+    }
+  }
+  return surgery::inframammary_incision(skin, entry, fold_width);
 }
 
 PlanPreview preview(const surgery::Plan& plan, const CaseView& view, const Parameters& parameters,

@@ -25,6 +25,10 @@ struct PlanPreview {
 
 PlanPreview preview(const surgery::Plan& plan, const CaseView& view, const Parameters& parameters,
                     surgery::Detail detail);
+/// A usual incision for this plan, in the plan's frame: "circumareolar", "radial", "inframammary".
+/// Error{Input} for other words.
+std::vector<Vec3> usual_incision(const std::string& kind, const surgery::Plan& plan,
+                                 const CaseView& view);
 TumourPlace tumour_place(const surgery::Plan& plan, const CaseView& view);
 
 }  // namespace sanatrix::pipeline

@@ -78,9 +78,6 @@ void Resection::fill_piece() {
   // A step below the width of the forbidden band (clearance on both sides of the skin) cannot
   // jump out of the body through the skin.
   grid_.step = std::min({usual_step, 1.5 * clearance_, 0.25 * radius_});
-  const Vec3 helper = std::abs(axis_[2]) < 0.7 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
-  grid_.e1 = normalised(cross(helper, axis_));
-  grid_.e2 = cross(axis_, grid_.e1);
   grid_.half_width = static_cast<int>(std::ceil(radius_ / grid_.step)) + 1;
   grid_.half_length = static_cast<int>(longest / grid_.step);
   grid_.samples.resize(grid_.index({grid_.half_width, grid_.half_width, grid_.half_length}) + 1);

@@ -25,6 +25,9 @@ struct Plan {
   double clearance = 0.005;      ///< caps stay this far from skin and chest wall [m]
   std::optional<double> radius;  ///< cylinder radius [m]; default tumour_radius + margin
   std::optional<Vec3> axis;      ///< towards the skin; default the chest-wall normal
+  /// Closed curve on the skin, not closed by a repeated point: what is removed is what lies behind
+  /// it along the axis, instead of a cylinder. Empty, or at least three points. [m]
+  std::vector<Vec3> outline;
   std::vector<std::vector<Vec3>> incisions;  ///< polylines on the skin, may be empty [m]
   std::string document = "{}";  ///< JSON it was read from: write_plan keeps what it does not know
 };
@@ -81,6 +84,7 @@ class Resection {
   [[nodiscard]] double value(const Vec3& p, Caps caps) const;
   [[nodiscard]] double cut_share(const std::array<Vec3, 4>& t, int n, Caps caps) const;
   void place_axis(const Plan& plan, const TriMesh& skin, const TriMesh& chest);
+  void place_outline(const Plan& plan);
   void fill_piece();
   void measure_cell(const std::array<int, 3>& low, Measure& sum) const;
 
@@ -116,6 +120,7 @@ class Resection {
   TetLocator body_;
   Vec3 axis_{}, chest_{}, skin_{}, centre_{};
   double radius_ = 0.0, clearance_ = 0.0, blend_ = 0.0;
+  std::vector<std::array<double, 2>> outline_;  // across the axis, empty for cylinders
   Detail detail_;
   Grid grid_;
   bool meets_clip_planes_ = false;

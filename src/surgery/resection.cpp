@@ -22,6 +22,24 @@ double lattice_edge(Detail detail) {
   return (detail == Detail::Full ? 2.0 : 4.5) * mm;
 }
 
+/// Distance to a polygon's edges, negative inside (even-odd rule, so the sense does not matter).
+double polygon_distance(const std::vector<std::array<double, 2>>& polygon, double x, double y) {
+  double best = std::numeric_limits<double>::infinity();
+  bool inside = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const auto& [ax, ay] = polygon[j];
+    const auto& [bx, by] = polygon[i];
+    const double ux = bx - ax, uy = by - ay, length2 = ux * ux + uy * uy;
+    const double t =
+        length2 > 0.0 ? std::clamp(((x - ax) * ux + (y - ay) * uy) / length2, 0.0, 1.0) : 0.0;
+    best = std::min(best, std::hypot(x - ax - t * ux, y - ay - t * uy));
+    if ((ay > y) != (by > y) && x < ax + (y - ay) / uy * ux) {
+      inside = !inside;
+    }
+  }
+  return inside ? -best : best;
+}
+
 std::string in_mm(const Vec3& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p[0] / mm, p[1] / mm, p[2] / mm);
 }
@@ -107,6 +125,7 @@ Resection::Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3
                 "check tumour.centre_lps_mm (LPS millimetres) and the plan's frame");
   }
   place_axis(plan, boundary(mesh, points, "skin"), boundary(mesh, points, "chest"));
+  place_outline(plan);
   const double room = norm(skin_ - chest_) - 2.0 * clearance_;
   require(room > 0.0,
           "surgery: skin and chest wall are {:.1f} mm apart at the tumour, nothing is left between "
@@ -134,7 +153,28 @@ void Resection::place_axis(const Plan& plan, const TriMesh& skin, const TriMesh&
   chest_ = down ? centre_ - *down * axis_ : foot;
 }
 
+/// The curve as a polygon across the axis, around the tumour's centre.
+void Resection::place_outline(const Plan& plan) {
+  const Vec3 helper = std::abs(axis_[2]) < 0.7 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
+  grid_.e1 = normalised(cross(helper, axis_));
+  grid_.e2 = cross(axis_, grid_.e1);
+  if (plan.outline.empty()) {
+    return;
+  }
+  radius_ = 0.0;
+  for (const Vec3& p : plan.outline) {
+    outline_.push_back({dot(p - centre_, grid_.e1), dot(p - centre_, grid_.e2)});
+    radius_ = std::max(radius_, std::hypot(outline_.back()[0], outline_.back()[1]));
+  }
+  require(
+      polygon_distance(outline_, 0.0, 0.0) < 0.0,
+      "surgery: the tumour's centre is not inside the drawn outline; draw it around the tumour");
+}
+
 double Resection::lateral(const Vec3& p) const {
+  if (!outline_.empty()) {
+    return polygon_distance(outline_, dot(p - centre_, grid_.e1), dot(p - centre_, grid_.e2));
+  }
   return norm(cross(p - centre_, axis_)) - radius_;
 }
 

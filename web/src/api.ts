@@ -39,7 +39,6 @@ export interface Plan {
   planned_margin_mm: number; clearance_mm?: number;
   resection?: {
     shape?: string; radius_mm?: number; axis_towards_skin_lps?: Point; outline_lps_mm?: Point[];
-    angle_deg?: number;
   };
   incision?: { kind: string };
   incisions_lps_mm?: Point[][];
@@ -115,6 +114,8 @@ export const api = {
     { centre_lps_mm: Point; equivalent_radius_mm: number; side: Side } }>(at(id, '/plan')),
   preview: (id: string, plan: Plan, live: boolean) =>
     bundle<PreviewHead>(ask('POST', at(id, `/preview?detail=${live ? 'live' : 'full'}`), JSON.stringify(plan))),
+  incision: async (id: string, kind: string, plan: Plan) =>
+    (await post<{ line_mm: Point[] }>(at(id, `/incisions/${kind}`), plan)).line_mm,
   carry: async (id: string, p: Point, from: string, to: string) =>
     (await get<{ point_mm: Point }>(at(id, `/carry?from=${from}&to=${to}&x=${p[0]}&y=${p[1]}&z=${p[2]}`))).point_mm,
   files: async (id: string) => (await get<{ files: ResultFile[] }>(at(id, '/files'))).files,

@@ -81,7 +81,7 @@ const brand = (): HTMLElement => h('a', { class: 'brand', href: '#/' }, h('span'
 export function frame(app: App, content: HTMLElement, title: string): void {
   fill(app.root, [
     h('a', { class: 'skip', href: '#main' }, 'Skip to content'),
-    h('header', { class: 'top' }, brand(), h('h1', {}, title), h('p', { class: 'notice' }, text.notice)),
+    h('header', { class: 'banner' }, brand(), h('h1', {}, title), h('p', { class: 'notice' }, text.notice)),
     h('div', { class: 'lost', role: 'alert', hidden: !app.lost }, text.lost),
     content,
     h('div', { class: 'toasts' }),

@@ -49,7 +49,7 @@ class HealingView {
     const day = slider(t.day, { min: 0, max: days.length - 1, step: 1 }, this.frame, (i) => `${days[i].toFixed(0)}`, (i) => { this.frame = i; this.draw(); });
     fill(this.panel, [h('h2', {}, text.steps.healing[0]), h('p', {}, t.lead), this.dayWord, day.element,
       choice(t.field, species.map((s, i) => [String(i), s.label] as [string, string]), String(this.species), (v) => { this.species = Number(v); this.draw(); }).element,
-      choice(t.plane, [['2', t.planes.z], ['1', t.planes.y], ['0', t.planes.x]] as [string, string][], '2', (v) => { this.axis = Number(v) as 0 | 1 | 2; this.offset = 0; this.draw(); }).element,
+      choice(t.plane, [['2', t.planes.z], ['1', t.planes.y], ['0', t.planes.x]] as [string, string][], '2', (v) => { this.axis = Number(v) as 0 | 1 | 2; this.look(); this.draw(); }).element,
       slider(t.move, { min: -60, max: 60, step: 1 }, 0, (v) => `${v} mm`, (v) => { this.offset = v; this.draw(); }).element,
       this.bar, h('h3', {}, t.volume), chart]);
     let tools: HTMLElement | undefined;
@@ -61,9 +61,7 @@ class HealingView {
       app.body.showSurgery({ tumour: false, excision: false, seeThrough: true });
       app.viewer.setPanes([{ title: '', bodies: [app.body], extra: [this.mesh] }]);
       app.viewer.frame();
-      app.viewer.orbit.view('front');
-      app.viewer.orbit.rotate(0, -0.6);
-      app.viewer.orbit.zoom(0.7);
+      this.look();
       tools = h('div', { class: 'tools' }, viewBar(app.viewer));
     }
     this.draw();
@@ -71,6 +69,15 @@ class HealingView {
     return { panel: this.panel, tools, close: () => this.mesh.geometry.dispose() };
   }
 
+  /** Square to the cut, from the side that radiologists use, close to the operated region. */
+  private look(): void {
+    const { viewer, body } = this.app;
+    if (!viewer || !body) return;
+    const centre = body.head.tumour?.centre.supine;
+    if (centre) viewer.orbit.target.set(...centre);
+    viewer.orbit.distance = 0.55 * viewer.orbit.home.distance;
+    viewer.orbit.view((['left', 'front', 'below'] as const)[this.axis]);
+  }
   private draw(): void {
     const { data, app } = this, { species, days, history } = data.head;
     const points = data.f32(`points.${this.frame}`), values = data.f32(`species.${this.frame}`), n = species.length;
@@ -97,7 +104,7 @@ function plot(element: HTMLElement, history: HealingHead['history']): void {
   new uPlot({
     width: Math.max(220, element.clientWidth), height: 170, legend: { show: false }, cursor: { drag: { x: false, y: false } },
     scales: { x: { time: false } },
-    axes: [{ label: t.axis, labelSize: 18, size: 34 }, { size: 48, values: (_: uPlot, ticks: number[]) => ticks.map((v) => `${v.toFixed(0)} %`) }],
+    axes: [{ label: t.axis, labelSize: 18, size: 34 }, { size: 58, values: (_: uPlot, ticks: number[]) => ticks.map((v) => `${v.toFixed(0)} %`) }],
     series: [{}, { stroke: '#0f5c63', width: 2 }],
   }, [history.day, history.wound_volume_ratio.map((v) => 100 * v)], element);
 }

@@ -1,7 +1,7 @@
 // Changes of a plan as the surgeon makes them; each returns a new plan. Geometry is the server's.
 import type { Plan, Point, Side } from '../api';
 
-export type Shape = 'cylinder' | 'segment' | 'free';
+export type Shape = 'cylinder' | 'free';
 export type Incision = 'over' | 'circumareolar' | 'radial' | 'inframammary' | 'free';
 
 export function newPlan(side: Side, centre: Point, radius: number, frame: 'prone' | 'supine'): Plan {
@@ -16,9 +16,9 @@ export const radiusOf = (plan: Plan): number =>
 export const isAutomatic = (plan: Plan): boolean => plan.resection?.radius_mm === undefined ||
   Math.abs(plan.resection.radius_mm - plan.tumour.equivalent_radius_mm - plan.planned_margin_mm) < 0.1;
 export const shapeOf = (plan: Plan): Shape =>
-  plan.resection?.outline_lps_mm ? 'free' : plan.resection?.angle_deg !== undefined ? 'segment' : 'cylinder';
+  plan.resection?.outline_lps_mm ? 'free' : 'cylinder';
 export const incisionOf = (plan: Plan): Incision =>
-  plan.incisions_lps_mm?.length ? 'free' : ((plan.incision?.kind as Incision | undefined) ?? 'over');
+  !plan.incisions_lps_mm?.length ? 'over' : ((plan.incision?.kind as Incision | undefined) ?? 'free');
 
 /** Moves tumour or margin; the cylinder goes along when it followed them before. */
 function withFollowing(plan: Plan, change: Partial<Plan>): Plan {
@@ -39,24 +39,21 @@ export const withClearance = (plan: Plan, mm: number): Plan => ({ ...plan, clear
 
 /** A new place: the old axis, outline and drawn incision belong to the old one. */
 export function withTumourAt(plan: Plan, centre: Point, side: Side): Plan {
-  const { incisions_lps_mm: _old, quadrant: _where, ...rest } = plan;
+  const { incisions_lps_mm: _old, incision: _kind, quadrant: _where, ...rest } = plan;
   return clean({
     ...rest, operated_side: side, tumour: { ...plan.tumour, centre_lps_mm: centre },
     resection: isAutomatic(plan) ? {} : { radius_mm: plan.resection?.radius_mm },
   });
 }
 export function withShape(plan: Plan, shape: Shape, outline?: Point[]): Plan {
-  const { outline_lps_mm: _o, angle_deg: _a, shape: _s, ...rest } = plan.resection ?? {};
+  const { outline_lps_mm: _o, shape: _s, ...rest } = plan.resection ?? {};
   if (shape === 'free') return clean({ ...plan, resection: { ...rest, outline_lps_mm: outline } });
-  if (shape === 'segment') return clean({ ...plan, resection: { ...rest, angle_deg: 40 } });
   return clean({ ...plan, resection: rest });
 }
-export const withAngle = (plan: Plan, degrees: number): Plan =>
-  ({ ...plan, resection: { ...plan.resection, angle_deg: degrees } });
+/** A line on the skin, and how it came about; 'over' lets the server place its usual one. */
 export function withIncision(plan: Plan, kind: Incision, line?: Point[]): Plan {
   const { incisions_lps_mm: _l, incision: _k, ...rest } = plan;
-  if (kind === 'free') return clean({ ...rest, incisions_lps_mm: line ? [line] : [] });
-  return clean(kind === 'over' ? rest : { ...rest, incision: { kind } });
+  return clean(kind === 'over' || !line ? rest : { ...rest, incision: { kind }, incisions_lps_mm: [line] });
 }
 
 /** Without empty keys, so that files stay readable and equal plans are equal text. */
@@ -68,8 +65,8 @@ function clean(plan: Record<string, unknown>): Plan {
 export const sameSurgery = (a: Plan | null, b: Plan | null): boolean => surgeryText(a) === surgeryText(b);
 function surgeryText(plan: Plan | null): string {
   if (!plan) return '';
-  const { tumour, planned_margin_mm, clearance_mm, operated_side, frame, incision, incisions_lps_mm, resection } = plan;
+  const { tumour, planned_margin_mm, clearance_mm, operated_side, frame, incisions_lps_mm, resection } = plan;
   return JSON.stringify([operated_side, frame, tumour.centre_lps_mm, tumour.equivalent_radius_mm, planned_margin_mm,
     clearance_mm ?? 5, radiusOf(plan).toFixed(2), resection?.axis_towards_skin_lps ?? null, resection?.outline_lps_mm ?? null,
-    resection?.angle_deg ?? null, incision ?? null, incisions_lps_mm?.length ? incisions_lps_mm : null]);
+    incisions_lps_mm?.length ? incisions_lps_mm : null]);
 }

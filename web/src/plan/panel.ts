@@ -57,7 +57,7 @@ class Planner {
     const { app } = this;
     fill(this.panel, [h('h2', {}, text.steps.plan[0]),
       this.app.body ? null : h('p', { class: 'quiet' }, text.view.noWebgl),
-      this.fields, this.hint, this.numbers.element, this.actions]);
+      this.numbers.element, this.hint, this.fields, this.actions]);
     let tools: HTMLElement | undefined;
     if (app.viewer && app.body) {
       app.viewer.setPanes([{ title: '', bodies: [app.body] }]);
@@ -115,7 +115,6 @@ class Planner {
         slider(t.margin, { min: 0, max: 30, step: 1 }, plan.planned_margin_mm, (v) => `${v} mm`, this.slide(draft.withMargin)).element,
         choice(t.shape, Object.entries(t.shapes) as [draft.Shape, string][], this.tool === 'outline' ? 'free' : shape, (s) => this.chooseShape(s)).element,
         shape === 'cylinder' ? slider(t.own, { min: 3, max: 60, step: 0.5 }, draft.radiusOf(plan), (v) => `${v.toFixed(1)} mm${draft.isAutomatic(this.plan!) ? ` (${t.auto})` : ''}`, this.slide(draft.withRadius)).element : null,
-        shape === 'segment' ? slider(t.width, { min: 15, max: 120, step: 5 }, plan.resection!.angle_deg!, (v) => `${v}°`, this.slide(draft.withAngle)).element : null,
         shape === 'free' ? h('button', { onclick: () => this.use('outline') }, t.draw) : null,
         slider(t.clearance, { min: 1, max: 20, step: 1 }, plan.clearance_mm ?? 5, (v) => `${v} mm`, this.slide(draft.withClearance)).element),
       h('section', {}, choice(t.incision, Object.entries(t.incisions).filter(([k]) => k !== 'free' || this.app.body) as [draft.Incision, string][],
@@ -135,8 +134,9 @@ class Planner {
         h('button', { class: 'plain', disabled: !plan, onclick: () => this.save() }, t.export),
         h('label', { class: 'plain button' }, t.import, h('input', { type: 'file', accept: '.json', class: 'hidden-file', onchange: (e: Event) => this.load(e) }))),
       changed && app.summary!.outcome ? h('p', { class: 'quiet' }, t.changed) : null,
-      h('button', { class: 'primary wide', id: 'simulate', disabled: !plan || busy, onclick: () => this.simulate() }, t.simulate),
-      h('button', { class: 'wide', id: 'another', disabled: !plan || busy, onclick: () => this.saveAsAnother() }, t.another),
+      h('div', { class: 'row' },
+        h('button', { class: 'primary', id: 'simulate', disabled: !plan || busy, onclick: () => this.simulate() }, t.simulate),
+        h('button', { id: 'another', disabled: !plan || busy, onclick: () => this.saveAsAnother() }, t.another)),
     ]);
   }
 
@@ -154,7 +154,12 @@ class Planner {
   private chooseIncision(kind: draft.Incision): void {
     if (kind === 'free') { this.use('incision'); return; }
     this.use('none');
-    this.change((p) => draft.withIncision(p, kind));
+    void this.placeIncision(kind);
+  }
+  private async placeIncision(kind: draft.Incision): Promise<void> {
+    const plan = this.plan!;
+    const line = kind === 'over' ? undefined : await this.app.attempt(() => api.incision(this.app.summary!.id, kind, draft.withIncision(plan, 'over')));
+    if (kind === 'over' || line) this.change((p) => draft.withIncision(p, kind, line));
     this.draw();
   }
 

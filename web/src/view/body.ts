@@ -53,7 +53,7 @@ export class Body {
       blending: NormalBlending,
     }));
     this.arrows = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0x1b2a33 }));
-    const nipple = (): Mesh => new Mesh(new SphereGeometry(4.2, 24, 16), new MeshStandardMaterial({ color: 0xa98a7c, roughness: 0.8 }));
+    const nipple = (): Mesh => new Mesh(new SphereGeometry(3.2, 24, 16), new MeshStandardMaterial({ color: 0xc4a698, roughness: 0.8 }));
     this.nipples = { L: nipple(), R: nipple() };
     this.group.add(this.skin, this.inside, this.tumour, this.wound, this.arrows, this.nipples.L, this.nipples.R);
     for (const mesh of [this.tumour, this.wound]) mesh.renderOrder = 2;
@@ -90,7 +90,8 @@ export class Body {
     for (const line of this.lines) line.visible = show.excision;
     const material = this.skin.material;
     material.transparent = show.seeThrough;
-    material.opacity = show.seeThrough ? 0.42 : 1;
+    material.opacity = show.seeThrough ? 0.5 : 1;
+    this.inside.visible = !show.seeThrough;
     material.depthWrite = !show.seeThrough;
     material.needsUpdate = true;
   }

@@ -18,8 +18,8 @@ export function divergingAt(t: number): [number, number, number] {
   return end.map((c) => (247 * (1 - a) + c * a) / 255) as [number, number, number];
 }
 
-export const clay = 0xc8b4a6;
-export const clayInside = 0x9c8c86;
+export const clay = 0xe6d9cf;
+export const clayInside = 0xb3a49d;
 export const tumour = 0x7a1f5c;
 export const excision = 0x1f7f8c;
 export const incision = 0x9b1c31;

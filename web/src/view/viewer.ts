@@ -72,7 +72,7 @@ export class Viewer {
     }
     sphere.center.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2);
     sphere.radius = 0.5 * Math.hypot(high[0] - low[0], high[2] - low[2]);
-    const aspect = this.panes.length > 1 && this.layout === 'grid' ? 0.8 : this.element.clientWidth / Math.max(1, this.element.clientHeight);
+    const aspect = this.panes.length > 1 && this.layout === 'grid' ? 0.8 : (this.element.clientWidth || 900) / (this.element.clientHeight || 700);
     const wide = (high[0] - low[0]) / 2 / Math.min(aspect, 1.6), tall = (high[2] - low[2]) / 2;
     this.orbit.home = { target: sphere.center.clone(), distance: 1.18 * Math.max(wide, tall) / Math.tan((11 * Math.PI) / 180) + (high[1] - low[1]) / 2 };
     this.orbit.reset();
@@ -156,9 +156,9 @@ export class Viewer {
 }
 
 function lights(): Object3D[] {
-  const key = new DirectionalLight(0xfff4ea, 1.55);
+  const key = new DirectionalLight(0xfff6ee, 1.9);
   key.name = 'lamp';
   const rim = new DirectionalLight(0xdfe9ff, 0.55);
   rim.position.copy(new Vector3(400, -200, 600));
-  return [new HemisphereLight(0xffffff, 0x8f8780, 1.35), key, rim];
+  return [new HemisphereLight(0xffffff, 0xa39a94, 1.7), key, rim];
 }
