@@ -2,7 +2,7 @@
 import { api, type Plan, type Point, type PreviewHead, type Side } from '../api';
 import type { App, StepView } from '../app';
 import type { Bundle } from '../bundle';
-import { choice, fill, h, slider } from '../dom';
+import { choice, fill, h, slider, type Slider } from '../dom';
 import { text } from '../text';
 import type { Pick } from '../view/body';
 import { posePicker, viewBar } from '../view/bar';
@@ -42,7 +42,7 @@ class Planner {
   private preset: string;
   private name: HTMLInputElement;
   private seeThrough = true;
-  private timer = 0;
+  private radius: Slider | null = null;
 
   constructor(private readonly app: App, private readonly panel: HTMLElement, private readonly saved: Plan | null,
     private readonly marked: { centre_lps_mm: Point; equivalent_radius_mm: number; side: Side } | null) {
@@ -75,7 +75,7 @@ class Planner {
     return {
       panel: this.panel, tools, update: () => this.drawActions(),
       key: (e) => this.key(e),
-      close: () => { if (app.viewer) app.viewer.onPick = null; window.clearTimeout(this.timer); },
+      close: () => { if (app.viewer) app.viewer.onPick = null; },
     };
   }
 
@@ -91,12 +91,23 @@ class Planner {
     return (value, done) => {
       this.change((p) => how(p, value), done, dragging);
       dragging = !done;
-      if (done) this.draw();
+      if (this.plan && this.radius && how !== draft.withRadius) this.radius.set(draft.radiusOf(this.plan));
     };
   }
 
   private draw(): void {
+    const active = document.activeElement as HTMLInputElement | null, inside = active && this.fields.contains(active);
+    this.drawFields();
+    // What had the focus keeps it: fields are made anew.
+    if (inside) {
+      const same = [...this.fields.querySelectorAll('input')].find((i) => (active.type === 'radio'
+        ? i.type === 'radio' && i.value === active.value : i.getAttribute('aria-label') === active.getAttribute('aria-label')));
+      same?.focus();
+    }
+  }
+  private drawFields(): void {
     const plan = this.plan;
+    this.radius = null;
     if (!plan) {
       fill(this.fields, [h('p', {}, t.nothing),
         this.marked ? h('button', { class: 'primary', onclick: () => this.start(this.marked!.centre_lps_mm, this.marked!.equivalent_radius_mm, this.marked!.side, 'prone') }, t.mark) : null,
@@ -114,7 +125,7 @@ class Planner {
       h('section', {}, h('h3', {}, t.excision),
         slider(t.margin, { min: 0, max: 30, step: 1 }, plan.planned_margin_mm, (v) => `${v} mm`, this.slide(draft.withMargin)).element,
         choice(t.shape, Object.entries(t.shapes) as [draft.Shape, string][], this.tool === 'outline' ? 'free' : shape, (s) => this.chooseShape(s)).element,
-        shape === 'cylinder' ? slider(t.own, { min: 3, max: 60, step: 0.5 }, draft.radiusOf(plan), (v) => `${v.toFixed(1)} mm${draft.isAutomatic(this.plan!) ? ` (${t.auto})` : ''}`, this.slide(draft.withRadius)).element : null,
+        shape === 'cylinder' ? (this.radius = slider(t.own, { min: 3, max: 60, step: 0.5 }, draft.radiusOf(plan), (v) => `${v.toFixed(1)} mm${draft.isAutomatic(this.plan!) ? ` (${t.auto})` : ''}`, this.slide(draft.withRadius))).element : null,
         shape === 'free' ? h('button', { onclick: () => this.use('outline') }, t.draw) : null,
         slider(t.clearance, { min: 1, max: 20, step: 1 }, plan.clearance_mm ?? 5, (v) => `${v} mm`, this.slide(draft.withClearance)).element),
       h('section', {}, choice(t.incision, Object.entries(t.incisions).filter(([k]) => k !== 'free' || this.app.body) as [draft.Incision, string][],
@@ -256,7 +267,12 @@ class Planner {
     const made = await this.app.attempt(async () => {
       const copy = await api.copy(from, `${from.replace(/-plan(-\d+)?$/, '')}-plan`);
       const plan = { ...this.plan, name: this.name.value === (this.saved?.name ?? '') ? '' : this.name.value };
-      await api.run(copy.case, { plan, to: 'supine' });
+      const { job } = await api.run(copy.case, { plan, to: 'supine' });
+      // The plan is in the case when its run has begun to compute.
+      for (let state = 'queued'; state === 'queued' || state === 'running';) {
+        await new Promise((resume) => setTimeout(resume, 300));
+        state = (await api.jobs()).find((j) => j.id === job)?.state ?? 'done';
+      }
       return copy.case;
     });
     if (made) location.hash = `#/case/${made}/plan`;
