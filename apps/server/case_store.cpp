@@ -39,6 +39,18 @@ json stage_json(const fs::path& stage_folder) {
   return is_plain_file(file) ? json::parse(read_text(file), nullptr, false) : json();
 }
 
+/// Listed names are our own, but the folder may have been mailed to us: a result is a plain file
+/// that really lies in its stage's folder.
+bool is_result(const pipeline::Case& patient, const fs::path& folder, const fs::path& file) {
+  if (file.is_absolute() || file.lexically_normal() != file || !is_plain_file(folder / file)) {
+    return false;
+  }
+  std::error_code problem;
+  const fs::path real = fs::canonical(folder / file, problem);
+  return !problem &&
+         real == fs::canonical(patient.folder, problem) / "stages" / folder.filename() / file;
+}
+
 std::string stamp_of(const pipeline::Case& patient) {
   std::string stamp;
   for (const pipeline::StageInfo& stage : pipeline::all_stages()) {
@@ -153,12 +165,8 @@ fs::path CaseStore::result_file(const pipeline::Case& patient, const std::string
   const json record = known ? stage_json(folder) : json();
   const auto files = record.is_object() ? record.value("files", json::array()) : json::array();
   const bool listed = std::ranges::any_of(files, [&](const json& f) { return f == file; });
-  // Listed names are our own, but the folder may have been mailed to us: look at the file itself.
   const fs::path path = folder / file;
-  std::error_code problem;
-  const fs::path real = fs::canonical(path, problem);
-  if (!listed || problem || !is_plain_file(path) ||
-      real != fs::canonical(patient.folder, problem) / "stages" / stage_folder / file) {
+  if (!listed || !is_result(patient, folder, file)) {
     throw Error(Fault::Input, "there is no such result", "run the case first");
   }
   return path;
@@ -178,7 +186,7 @@ json result_files(const pipeline::Case& patient) {
     const json record = stage_json(folder);
     const json files = record.is_object() ? record.value("files", json::array()) : json::array();
     for (const json& file : files) {
-      if (file.is_string() && is_plain_file(folder / file.get<std::string>())) {
+      if (file.is_string() && is_result(patient, folder, file.get<std::string>())) {
         list.push_back({{"stage", folder.filename().string()},
                         {"file", file},
                         {"bytes", fs::file_size(folder / file.get<std::string>(), none)}});

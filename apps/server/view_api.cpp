@@ -212,7 +212,7 @@ std::string healing_bundle(const pipeline::Case& patient, const CaseView& view) 
   Bundle bundle;
   std::vector<std::uint32_t> cells;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    if (view.model().in_breast[c] && view.model().side[c] == result.side()) {
+    if (view.model().side[c] == result.side()) {
       for (const int v : mesh.cells[c]) {
         cells.push_back(static_cast<std::uint32_t>(v));
       }

@@ -11,7 +11,7 @@ namespace sanatrix::server {
 
 /// Skin and cut faces in every pose, nipples, tumour, and the last surgery's wound and incision.
 std::string scene_bundle(const pipeline::Case& patient, const pipeline::CaseView& view);
-/// Tetrahedra of the operated breast with every species at every recorded moment. Error{Input}
+/// Tetrahedra of the operated side with every species at every recorded moment. Error{Input}
 /// before stage heal has run.
 std::string healing_bundle(const pipeline::Case& patient, const pipeline::CaseView& view);
 /// The checked labels and, if there is one, the greyscale image on the same grid.

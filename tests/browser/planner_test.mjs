@@ -76,7 +76,10 @@ async function accessible(page, where) {
 const shot = async (page, name) => { if (shots) await page.screenshot({ path: path.join(shots, `${name}.png`) }); };
 const excised = async (page) => Number((await page.textContent('.numbers .big strong')).replace(/[^0-9.]/g, ''));
 async function settled(page) {
-  await page.waitForFunction(() => document.querySelector('.numbers')?.dataset.live === 'false');
+  await page.waitForFunction(() => {
+    const numbers = document.querySelector('.numbers');
+    return numbers?.dataset.live === 'false' && numbers.getAttribute('aria-busy') === 'false';
+  });
 }
 async function slide(page, label, presses, key = 'ArrowRight') {
   const slider = page.getByRole('slider', { name: label });

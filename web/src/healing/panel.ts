@@ -58,7 +58,7 @@ class HealingView {
       app.body.showPlan(null);
       app.body.paint(null, () => [0, 0, 0]);
       app.body.showArrows(null);
-      app.body.showSurgery({ tumour: false, excision: false, seeThrough: true });
+      app.body.showSurgery({ tumour: false, excision: false, seeThrough: true, opacity: 0.22 });
       app.viewer.setPanes([{ title: '', bodies: [app.body], extra: [this.mesh] }]);
       app.viewer.frame();
       this.look();

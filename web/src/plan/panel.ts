@@ -231,6 +231,7 @@ class Planner {
   private ask(live: boolean): void {
     if (!this.plan) return;
     this.nextPlan = { plan: this.plan, live };
+    this.numbers.element.setAttribute('aria-busy', 'true');
     if (!this.running) void this.askNext();
   }
   private async askNext(): Promise<void> {
@@ -248,6 +249,7 @@ class Planner {
       }
     }
     this.running = false;
+    this.numbers.element.setAttribute('aria-busy', 'false');
   }
   private showBody(): void {
     const { body, viewer } = this.app;

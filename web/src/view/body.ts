@@ -1,8 +1,11 @@
 // One patient in one pane: skin, cut faces, tumour, excision, incision; in any pose.
 import {
-  BufferAttribute, BufferGeometry, Color, DoubleSide, Group, Line, LineBasicMaterial,
+  BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial,
   Mesh, MeshStandardMaterial, NormalBlending, Ray, SphereGeometry, Vector3, LineSegments,
 } from 'three';
+import { Line2 } from 'three/examples/jsm/lines/Line2.js';
+import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
+import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { MeshBVH } from 'three-mesh-bvh';
 import type { Point, PreviewHead, SceneHead, Side, Tumour } from '../api';
 import type { Bundle } from '../bundle';
@@ -22,7 +25,8 @@ export class Body {
   private readonly nipples: Record<Side, Mesh>;
   private readonly wound: Mesh<BufferGeometry, MeshStandardMaterial>;
   private readonly arrows: LineSegments;
-  private lines: Line[] = [];
+  private lines: Line2[] = [];
+  private lineLengths: number[] = [];
   private cut: Cut | null = null;
   private bvh: MeshBVH | null = null;
   private bvhIsOld = true;
@@ -83,14 +87,14 @@ export class Body {
     this.setCut(preview ? { bundle: preview, tumour: preview.head.tumour } : null);
     this.placeCut();
   }
-  showSurgery(show: { tumour: boolean; excision: boolean; seeThrough: boolean }): void {
+  showSurgery(show: { tumour: boolean; excision: boolean; seeThrough: boolean; opacity?: number }): void {
     const tumour = this.cut?.tumour ?? this.head.tumour;
     this.tumour.visible = show.tumour && tumour !== undefined;
     this.wound.visible = show.excision && this.cut !== null;
     for (const line of this.lines) line.visible = show.excision;
     const material = this.skin.material;
     material.transparent = show.seeThrough;
-    material.opacity = show.seeThrough ? 0.5 : 1;
+    material.opacity = show.seeThrough ? (show.opacity ?? 0.5) : 1;
     this.inside.visible = !show.seeThrough;
     material.depthWrite = !show.seeThrough;
     material.needsUpdate = true;
@@ -143,7 +147,7 @@ export class Body {
     return [0, 1, 2].map((c) => pick.corners.reduce((sum, v, i) => sum + pick.weights[i] * points[3 * v + c], 0)) as Point;
   }
   dispose(): void {
-    this.group.traverse((o) => { if (o instanceof Mesh || o instanceof Line) o.geometry.dispose(); });
+    this.group.traverse((o) => { if (o instanceof Mesh) o.geometry.dispose(); });
   }
 
   private setCut(cut: Cut | null): void {
@@ -157,13 +161,14 @@ export class Body {
     const { bundle } = cut;
     this.wound.geometry.setIndex(new BufferAttribute(bundle.u32('wound.triangles'), 1));
     this.wound.geometry.setAttribute('position', new BufferAttribute(new Float32Array(bundle.f32('wound.prone').length), 3));
-    for (const length of bundle.u32('incision.lengths')) {
-      const line = new Line(new BufferGeometry(), new LineBasicMaterial({ color: colours.incision, linewidth: 2, depthTest: true }));
-      line.geometry.setAttribute('position', new BufferAttribute(new Float32Array(3 * length), 3));
+    this.lineLengths = [...bundle.u32('incision.lengths')];
+    this.lines = this.lineLengths.map(() => {
+      // Seen through the skin: the line lies in it.
+      const line = new Line2(new LineGeometry(), new LineMaterial({ color: colours.incision, linewidth: 3.5, depthTest: false }));
       line.renderOrder = 3;
-      this.lines.push(line);
       this.group.add(line);
-    }
+      return line;
+    });
   }
   private placeCut(): void {
     const tumour = this.cut?.tumour ?? this.head.tumour;
@@ -181,13 +186,12 @@ export class Body {
     const all = new Float32Array(bundle.f32('incision.prone').length);
     mixed(all, (name) => bundle.f32(`incision.${name}`), this.pose);
     let at = 0;
-    for (const line of this.lines) {
-      const target = line.geometry.getAttribute('position') as BufferAttribute;
-      (target.array as Float32Array).set(all.subarray(at, at + target.array.length));
-      at += target.array.length;
-      target.needsUpdate = true;
-      line.geometry.computeBoundingSphere();
-    }
+    this.lines.forEach((line, i) => {
+      line.geometry.dispose();
+      line.geometry = new LineGeometry();
+      line.geometry.setPositions(all.subarray(at, at + 3 * this.lineLengths[i]));
+      at += 3 * this.lineLengths[i];
+    });
   }
   private place(mesh: Mesh, centre: Record<string, Point>): void {
     const { from, to, t } = this.pose;
