@@ -122,7 +122,7 @@ export const text = {
     changed: 'The plan has changed since the last simulation.',
     healing: 'How she heals',
     presets: { vavourakis2016: 'As in the paper', vavourakis2016_inhibitor: 'Poor vessel growth', clinical_kader: 'Strong contraction' } as Record<string, string>,
-    import: 'Load plan', export: 'Save plan',
+    import: 'Load', export: 'Save', slicer: 'Slicer', slicerHint: 'Save as 3D Slicer markups (.mrk.json)',
     pose: 'drawn in position',
     live: 'about',
   },

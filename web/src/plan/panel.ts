@@ -8,6 +8,7 @@ import type { Pick } from '../view/body';
 import { posePicker, viewBar } from '../view/bar';
 import * as draft from './draft';
 import { History } from './history';
+import { fromMarkups, isMarkups, toMarkups } from './markups';
 import { Numbers } from './numbers';
 
 const t = text.plan;
@@ -142,7 +143,8 @@ class Planner {
       h('div', { class: 'buttons' },
         h('button', { class: 'plain', disabled: !this.history.canUndo, title: 'Ctrl+Z', onclick: () => this.step('undo') }, `↶ ${t.undo}`),
         h('button', { class: 'plain', disabled: !this.history.canRedo, title: 'Ctrl+Y', onclick: () => this.step('redo') }, `↷ ${t.redo}`),
-        h('button', { class: 'plain', disabled: !plan, onclick: () => this.save() }, t.export),
+        h('button', { class: 'plain', disabled: !plan, onclick: () => this.save(this.plan, '.json') }, t.export),
+        h('button', { class: 'plain', disabled: !plan, title: t.slicerHint, onclick: () => this.save(toMarkups(this.plan!), '.mrk.json') }, t.slicer),
         h('label', { class: 'plain button' }, t.import, h('input', { type: 'file', accept: '.json', class: 'hidden-file', onchange: (e: Event) => this.load(e) }))),
       changed && app.summary!.outcome ? h('p', { class: 'quiet' }, t.changed) : null,
       h('div', { class: 'row' },
@@ -279,8 +281,8 @@ class Planner {
     });
     if (made) location.hash = `#/case/${made}/plan`;
   }
-  private save(): void {
-    const link = h('a', { download: `${this.app.summary!.id}-plan.json`, href: URL.createObjectURL(new Blob([JSON.stringify(this.plan, null, 1)], { type: 'application/json' })) });
+  private save(content: unknown, ending: string): void {
+    const link = h('a', { download: `${this.app.summary!.id}-plan${ending}`, href: URL.createObjectURL(new Blob([JSON.stringify(content, null, 1)], { type: 'application/json' })) });
     link.click();
     URL.revokeObjectURL(link.href);
   }
@@ -288,7 +290,8 @@ class Planner {
     const file = (event.target as HTMLInputElement).files?.[0];
     if (!file) return;
     await this.app.attempt(async () => {
-      const plan = JSON.parse(await file.text()) as Plan;
+      const read = JSON.parse(await file.text()) as unknown;
+      const plan = isMarkups(read) ? fromMarkups(read, this.plan, this.app.body?.head.midline_x_mm ?? 0) : (read as Plan);
       await api.preview(this.app.summary!.id, plan, true);
       this.history.push(plan);
       this.draw();
