@@ -92,19 +92,35 @@ std::vector<Vec3> radial_incision(const Vec3& nipple, const Vec3& entry, double 
 
 std::vector<Vec3> inframammary_incision(std::span<const Vec3> breast_skin, const Vec3& entry,
                                         double width) {
-  constexpr int pieces = 8;
+  if (breast_skin.empty()) {
+    return {};
+  }
+  const auto across = [](const Vec3& a, const Vec3& b) {
+    return a[0] < b[0];
+  };
+  const auto [first, last] = std::ranges::minmax_element(breast_skin, across);
+  const double half = std::min(0.5 * width, 0.5 * ((*last)[0] - (*first)[0]));
+  const double middle = std::clamp(entry[0], (*first)[0] + half, (*last)[0] - half);
+  constexpr int pieces = 8, smoothing_passes = 3;
   std::vector<Vec3> line;
   for (int i = 0; i < pieces; ++i) {
-    const double from = entry[0] + width * (static_cast<double>(i) / pieces - 0.5);
+    const double from = middle + half * (2.0 * i / pieces - 1.0);
     const Vec3* lowest = nullptr;
     for (const Vec3& p : breast_skin) {
-      if (p[0] >= from && p[0] < from + width / pieces &&
+      if (p[0] >= from && p[0] < from + 2.0 * half / pieces &&
           (lowest == nullptr || p[2] < (*lowest)[2])) {
         lowest = &p;
       }
     }
     if (lowest != nullptr) {
       line.push_back(*lowest);
+    }
+  }
+  // The border follows edges of the mesh; a scalpel does not.
+  for (int pass = 0; pass < smoothing_passes; ++pass) {
+    const std::vector<Vec3> old = line;
+    for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+      line[i] = 0.25 * old[i - 1] + 0.5 * old[i] + 0.25 * old[i + 1];
     }
   }
   return line;

@@ -134,6 +134,7 @@ export const text = {
   healing: {
     lead: 'Healing of the excised region, computed day by day on the operating table’s pose.',
     none: 'No healing has been computed for this plan.',
+    coming: 'Healing appears here when it has been computed. The progress is at the left.',
     day: 'Day', field: 'Colour shows', plane: 'Cut', planes: { z: 'Axial', x: 'Sagittal', y: 'Coronal' }, move: 'Move the cut',
     volume: 'Volume of the operated region', ofStart: 'of its volume after surgery',
     axis: 'days after surgery', relative: 'relative to healthy tissue = 1',

@@ -19,7 +19,7 @@ export async function healingStep(app: App): Promise<StepView> {
   const panel = h('div', { class: 'panel' });
   const id = app.summary!.id;
   if (!app.isReady('heal')) {
-    fill(panel, [h('h2', {}, text.steps.healing[0]), h('p', { class: 'quiet' }, t.none)]);
+    fill(panel, [h('h2', {}, text.steps.healing[0]), h('p', { class: 'quiet' }, app.busy(id) ? t.coming : t.none)]);
     app.body = await app.bodyOf(app.summary!);
     if (app.viewer && app.body) { app.viewer.setPanes([{ title: '', bodies: [app.body] }]); app.viewer.frame(); }
     return { panel };

@@ -17,7 +17,7 @@ export async function resultStep(app: App): Promise<StepView> {
   const panel = h('div', { class: 'panel' }), s = app.summary!;
   app.body = await app.bodyOf(s);
   if (!s.outcome || !app.isReady('outcome')) {
-    fill(panel, [h('h2', {}, text.steps.result[0]), h('p', { class: 'quiet' }, t.none), h('a', { class: 'button', href: `#/case/${s.id}/plan` }, text.steps.plan[0])]);
+    fill(panel, [h('h2', {}, text.steps.result[0]), h('p', { class: 'quiet' }, app.busy(s.id) ? text.healing.coming : t.none), h('a', { class: 'button', href: `#/case/${s.id}/plan` }, text.steps.plan[0])]);
     if (app.viewer && app.body) { app.viewer.setPanes([{ title: '', bodies: [app.body] }]); app.viewer.frame(); }
     return { panel };
   }

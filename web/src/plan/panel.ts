@@ -71,6 +71,7 @@ class Planner {
         label: text.view.seeThrough, value: this.seeThrough, change: (v) => { this.seeThrough = v; this.showBody(); },
       }), posePicker(app, app.body, ['prone', 'supine', 'before'], 'supine'));
     }
+    setTimeout(() => app.body?.prepare(), 500);
     this.draw();
     this.ask(false);
     return {

@@ -128,11 +128,15 @@ export class Body {
     this.arrows.geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
   }
 
-  pick(ray: Ray): Pick | null {
+  /** Builds or refits the search tree; when nobody waits for it, a click is answered at once. */
+  prepare(): MeshBVH {
     if (!this.bvh) this.bvh = new MeshBVH(this.skin.geometry);
     else if (this.bvhIsOld) this.bvh.refit();
     this.bvhIsOld = false;
-    const hit = this.bvh.raycastFirst(ray, DoubleSide);
+    return this.bvh;
+  }
+  pick(ray: Ray): Pick | null {
+    const hit = this.prepare().raycastFirst(ray, DoubleSide);
     if (!hit?.face) return null;
     const positions = this.skin.geometry.getAttribute('position') as BufferAttribute;
     const corners: [number, number, number] = [hit.face.a, hit.face.b, hit.face.c];
