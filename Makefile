@@ -9,7 +9,7 @@ export SANATRIX_SHARED ?= $(abspath ../shared)
 export OPENBLAS_NUM_THREADS ?= 1
 
 .DEFAULT_GOAL := build
-.PHONY: run build test bench format clean packages configure
+.PHONY: run serve build test bench format clean packages configure
 
 ## run: build, then take the built-in patient through every step into out/case
 run: build
@@ -39,8 +39,11 @@ configure: packages
 	@cmake --preset release > /dev/null
 
 # The one list of dependencies is apt-packages.txt; nothing is asked of apt when all are there.
+# A Node.js from elsewhere does as well as Debian's.
 packages:
-	@missing=$$(sed 's/#.*//' apt-packages.txt | while read -r name; do \
+	@node_is_there=$$(command -v node > /dev/null && command -v npm > /dev/null && echo yes || true); \
+	missing=$$(sed 's/#.*//' apt-packages.txt | while read -r name; do \
+	  [ -n "$$node_is_there" ] && { [ "$$name" = nodejs ] || [ "$$name" = npm ]; } && continue; \
 	  [ -z "$$name" ] || dpkg-query -W -f='$${Status}' "$$name" 2>/dev/null \
 	    | grep -q 'install ok installed' || echo "$$name"; done); \
 	if [ -n "$$missing" ]; then \
@@ -54,6 +57,10 @@ packages:
 ## format: clang-format on all sources
 format:
 	@git ls-files '*.cpp' '*.hpp' | xargs clang-format-16 -i
+
+## serve: build, then the planner in the browser on out/cases
+serve: build
+	@$(SANATRIX) serve --cases out/cases --open
 
 ## clean: remove builds; results in out/ stay
 clean:

@@ -40,6 +40,7 @@ void add_run(CLI::App& app, Common& common, Command& chosen);
 void add_status(CLI::App& app, Common& common, Command& chosen);
 void add_solve(CLI::App& app, Common& common, Command& chosen);
 void add_params(CLI::App& app, Common& common, Command& chosen);
+void add_serve(CLI::App& app, Common& common, Command& chosen);
 void add_score(CLI::App& app, Common& common, Command& chosen);
 void add_export(CLI::App& app, Common& common, Command& chosen);
 void add_verify(CLI::App& app, Common& common, Command& chosen);

@@ -152,6 +152,22 @@ SurfaceTree::Hit SurfaceTree::closest(const Vec3& p) const {
   return hit;
 }
 
+double SurfaceTree::distance(const Vec3& p, double reach, int& near) const {
+  double best = std::isfinite(reach) ? reach * reach : std::numeric_limits<double>::max();
+  const auto look = [&](int triangle) {
+    const Vec3 r = p - closest_on_triangle(p, impl_->corners[static_cast<std::size_t>(triangle)]);
+    if (dot(r, r) < best) {
+      best = dot(r, r);
+      near = triangle;
+    }
+  };
+  if (near >= 0) {
+    look(near);
+  }
+  impl_->tree.within(p, best, look);
+  return std::sqrt(best);
+}
+
 struct TetLocator::Impl {
   Impl(const TetMesh& mesh, std::span<const Vec3> points)
       : corners(corners_of(mesh, points)), tree(boxes_of(corners)) {}

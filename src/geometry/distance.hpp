@@ -23,6 +23,9 @@ class SurfaceTree {
     int triangle;
   };
   [[nodiscard]] Hit closest(const Vec3& p) const;
+  /// The distance, or `reach` when the surface is farther. `near` is a triangle to look at first
+  /// (-1: none) and becomes the closest one: in a row of neighbouring points each search is short.
+  [[nodiscard]] double distance(const Vec3& p, double reach, int& near) const;
 
  private:
   struct Impl;

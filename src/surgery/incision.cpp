@@ -2,7 +2,9 @@
 #include "surgery/incision.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <queue>
 
 namespace sanatrix::surgery {
@@ -66,6 +68,62 @@ std::vector<Vec3> default_incision(const Vec3& entry, const Vec3& axis_towards_s
   // An axis along z has no horizontal direction on the skin; left-right is as good as any.
   const Vec3 along = norm(across) > 1e-3 ? normalised(across) : Vec3{1, 0, 0};
   return {entry - half_length * along, entry, entry + half_length * along};
+}
+
+std::vector<Vec3> circumareolar_incision(const Vec3& nipple, const Vec3& entry, double radius) {
+  // Seen from the front; the line is snapped to the skin later.
+  const double middle = std::atan2(entry[2] - nipple[2], entry[0] - nipple[0]);
+  constexpr double half = 75.0 * std::numbers::pi / 180.0;
+  constexpr int pieces = 12;
+  std::vector<Vec3> line;
+  for (int i = 0; i <= pieces; ++i) {
+    const double angle = middle + half * (2.0 * i / pieces - 1.0);
+    line.push_back(nipple + radius * Vec3{std::cos(angle), 0.0, std::sin(angle)});
+  }
+  return line;
+}
+
+std::vector<Vec3> radial_incision(const Vec3& nipple, const Vec3& entry, double areola_radius) {
+  const Vec3 outwards = entry - nipple;
+  const double length = norm(outwards);
+  const double start = std::min(areola_radius / std::max(length, 1e-9), 0.9);
+  return {nipple + start * outwards, entry, nipple + 1.5 * outwards};
+}
+
+std::vector<Vec3> inframammary_incision(std::span<const Vec3> breast_skin, const Vec3& entry,
+                                        double width) {
+  if (breast_skin.empty()) {
+    return {};
+  }
+  const auto across = [](const Vec3& a, const Vec3& b) {
+    return a[0] < b[0];
+  };
+  const auto [first, last] = std::ranges::minmax_element(breast_skin, across);
+  const double half = std::min(0.5 * width, 0.5 * ((*last)[0] - (*first)[0]));
+  const double middle = std::clamp(entry[0], (*first)[0] + half, (*last)[0] - half);
+  constexpr int pieces = 8, smoothing_passes = 3;
+  std::vector<Vec3> line;
+  for (int i = 0; i < pieces; ++i) {
+    const double from = middle + half * (2.0 * i / pieces - 1.0);
+    const Vec3* lowest = nullptr;
+    for (const Vec3& p : breast_skin) {
+      if (p[0] >= from && p[0] < from + 2.0 * half / pieces &&
+          (lowest == nullptr || p[2] < (*lowest)[2])) {
+        lowest = &p;
+      }
+    }
+    if (lowest != nullptr) {
+      line.push_back(*lowest);
+    }
+  }
+  // The border follows edges of the mesh; a scalpel does not.
+  for (int pass = 0; pass < smoothing_passes; ++pass) {
+    const std::vector<Vec3> old = line;
+    for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+      line[i] = 0.25 * old[i - 1] + 0.5 * old[i] + 0.25 * old[i + 1];
+    }
+  }
+  return line;
 }
 
 std::vector<int> path_on_skin(const Surface& skin, std::span<const Vec3> polyline) {

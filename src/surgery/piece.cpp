@@ -14,8 +14,11 @@ constexpr double usual_step = 2.0 * mm;
 /// No resection is longer than this to either side of the tumour.
 constexpr double longest = 300.0 * mm;
 constexpr double steepest = 1.7320508;  // Lipschitz bound of the rounded maximum of three distances
-constexpr int parts = 4;                // of a grid cell's edge when measuring the volume
-constexpr float outside = -1.0F;        // a sample that was looked at and is not removed
+/// Of a grid cell's edge when measuring the volume.
+int parts_of(Detail detail) {
+  return detail == Detail::Full ? 4 : 2;
+}
+constexpr float outside = -1.0F;  // a sample that was looked at and is not removed
 
 }  // namespace
 
@@ -52,10 +55,10 @@ Resection::Sample Resection::sample(const std::array<int, 3>& at, const Sample& 
   }
   const double far = clearance_ + blend_ + 3.0 * grid_.step;  // 3: reach of a grid cell and slack
   if (result.skin < far) {
-    result.skin = static_cast<float>(skin_tree_.closest(p).distance);
+    result.skin = static_cast<float>(skin_tree_.distance(p, any_reach));
   }
   if (result.chest < far) {
-    result.chest = static_cast<float>(chest_tree_.closest(p).distance);
+    result.chest = static_cast<float>(chest_tree_.distance(p, any_reach));
   }
   const double f = shape(p, {result.skin < far, result.chest < far});
   if (f >= 0.0) {
@@ -75,9 +78,6 @@ void Resection::fill_piece() {
   // A step below the width of the forbidden band (clearance on both sides of the skin) cannot
   // jump out of the body through the skin.
   grid_.step = std::min({usual_step, 1.5 * clearance_, 0.25 * radius_});
-  const Vec3 helper = std::abs(axis_[2]) < 0.7 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
-  grid_.e1 = normalised(cross(helper, axis_));
-  grid_.e2 = cross(axis_, grid_.e1);
   grid_.half_width = static_cast<int>(std::ceil(radius_ / grid_.step)) + 1;
   grid_.half_length = static_cast<int>(longest / grid_.step);
   grid_.samples.resize(grid_.index({grid_.half_width, grid_.half_width, grid_.half_length}) + 1);
@@ -99,8 +99,8 @@ void Resection::fill_piece() {
   require(!queue.empty(),
           "surgery: nothing can be excised at the tumour: it is {:.1f} mm from the skin and "
           "{:.1f} mm from the chest wall, the clearance is {:.1f} mm; reduce clearance_mm",
-          skin_tree_.closest(centre_).distance / mm, chest_tree_.closest(centre_).distance / mm,
-          clearance_ / mm);
+          skin_tree_.distance(centre_, any_reach) / mm,
+          chest_tree_.distance(centre_, any_reach) / mm, clearance_ / mm);
   while (!queue.empty()) {
     const auto at = queue.front();
     queue.pop_front();
@@ -135,7 +135,8 @@ bool Resection::in_piece(const Vec3& p) const {
 
 Resection::Measure Resection::measure() const {
   // The tumour's centre is a removed point; samples near the caps can only lower its distances.
-  Measure result{0.0, skin_tree_.closest(centre_).distance, chest_tree_.closest(centre_).distance};
+  Measure result{0.0, skin_tree_.distance(centre_, any_reach),
+                 chest_tree_.distance(centre_, any_reach)};
   const int w = grid_.half_width, l = grid_.half_length;
   for (int k = -l; k < l; ++k) {
     for (int j = -w; j < w; ++j) {
@@ -148,6 +149,7 @@ Resection::Measure Resection::measure() const {
 }
 
 void Resection::measure_cell(const std::array<int, 3>& low, Measure& sum) const {
+  const int parts = parts_of(detail_);
   const double h = grid_.step, diagonal = std::sqrt(3.0) * h, small = h / parts;
   float shallowest = std::numeric_limits<float>::infinity(), deepest = outside;
   for (int corner = 0; corner < 8; ++corner) {
@@ -184,11 +186,12 @@ void Resection::measure_cell(const std::array<int, 3>& low, Measure& sum) const 
       continue;  // not at the surface, where the smallest distances are
     }
     if (caps.skin) {
-      sum.min_skin_distance_m = std::min(sum.min_skin_distance_m, skin_tree_.closest(p).distance);
+      sum.min_skin_distance_m =
+          std::min(sum.min_skin_distance_m, skin_tree_.distance(p, any_reach));
     }
     if (caps.chest) {
       sum.min_chest_distance_m =
-          std::min(sum.min_chest_distance_m, chest_tree_.closest(p).distance);
+          std::min(sum.min_chest_distance_m, chest_tree_.distance(p, any_reach));
     }
   }
 }

@@ -1,6 +1,7 @@
 // Step G: what the surgeon decides and what it removes. Pure geometry in one frame.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,9 @@ struct Plan {
   double clearance = 0.005;      ///< caps stay this far from skin and chest wall [m]
   std::optional<double> radius;  ///< cylinder radius [m]; default tumour_radius + margin
   std::optional<Vec3> axis;      ///< towards the skin; default the chest-wall normal
+  /// Closed curve on the skin, not closed by a repeated point: what is removed is what lies behind
+  /// it along the axis, instead of a cylinder. Empty, or at least three points. [m]
+  std::vector<Vec3> outline;
   std::vector<std::vector<Vec3>> incisions;  ///< polylines on the skin, may be empty [m]
   std::string document = "{}";  ///< JSON it was read from: write_plan keeps what it does not know
 };
@@ -38,6 +42,10 @@ std::string write_plan(const Plan& plan);
 /// Error{Usage} for unknown names, Error{Input} for values out of range.
 void set_plan_value(Plan& plan, const std::string& key, const std::string& value);
 
+/// How finely volumes are measured: Full for results; Live while somebody drags a plan, 1 % off at
+/// most and several times faster.
+enum class Detail { Full, Live };
+
 /// The removed volume: a cylinder normal to the chest wall with smoothly rounded caps that stay
 /// `clearance` from skin and chest wall, as an implicit function. Always the one connected piece
 /// that holds the tumour. docs/theory/surgery.md
@@ -46,8 +54,8 @@ class Resection {
   /// The mesh's skin and chest boundaries at `points`, the pose of plan.frame. Error{Input} when
   /// the tumour is outside the model, on the wrong side of the midline, or nothing is left between
   /// the two clearances.
-  Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
-            double midline_x_m);
+  Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points, double midline_x_m,
+            Detail detail = Detail::Full);
   /// Negative inside; |value| is close to the distance near the surface [m].
   [[nodiscard]] double signed_distance(const Vec3& p) const;
   /// Share of a tetrahedron that is removed, 0..1.
@@ -76,6 +84,7 @@ class Resection {
   [[nodiscard]] double value(const Vec3& p, Caps caps) const;
   [[nodiscard]] double cut_share(const std::array<Vec3, 4>& t, int n, Caps caps) const;
   void place_axis(const Plan& plan, const TriMesh& skin, const TriMesh& chest);
+  void place_outline(const Plan& plan);
   void fill_piece();
   void measure_cell(const std::array<int, 3>& low, Measure& sum) const;
 
@@ -97,10 +106,22 @@ class Resection {
   [[nodiscard]] Vec3 sample_point(double i, double j, double k) const;
   [[nodiscard]] bool in_piece(const Vec3& p) const;
 
-  SurfaceTree skin_tree_, chest_tree_;
+  /// Distance to a surface; remembers the last closest triangle, since queries come in rows.
+  struct Neighbour {
+    SurfaceTree tree;
+    mutable int last = -1;
+    [[nodiscard]] double distance(const Vec3& p, double reach) const {
+      return tree.distance(p, reach, last);
+    }
+  };
+  static constexpr double any_reach = std::numeric_limits<double>::infinity();
+
+  Neighbour skin_tree_, chest_tree_;
   TetLocator body_;
   Vec3 axis_{}, chest_{}, skin_{}, centre_{};
   double radius_ = 0.0, clearance_ = 0.0, blend_ = 0.0;
+  std::vector<std::array<double, 2>> outline_;  // across the axis, empty for cylinders
+  Detail detail_;
   Grid grid_;
   bool meets_clip_planes_ = false;
 };
@@ -114,6 +135,6 @@ struct Wound {
   std::vector<std::string> warnings;
 };
 Wound resect(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
-             double midline_x_m, const Context& ctx);
+             double midline_x_m, const Context& ctx, Detail detail = Detail::Full);
 
 }  // namespace sanatrix::surgery

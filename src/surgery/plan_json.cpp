@@ -135,6 +135,19 @@ void read_resection(const json& document, const std::string& where, Plan& plan) 
   }
 }
 
+std::vector<Vec3> read_outline(const json& document, const std::string& where) {
+  std::vector<Vec3> outline;
+  const std::string path = "resection.outline_lps_mm";
+  if (const json* value = find(document, path)) {
+    require(value->is_array() && value->size() >= 3 && value->size() <= 500,
+            "{}: {} is not a list of 3 to 500 points", where, path);
+    for (const json& point : *value) {
+      outline.push_back(position(point, path, where));
+    }
+  }
+  return outline;
+}
+
 std::vector<std::vector<Vec3>> read_incisions(const json& document, const std::string& where) {
   std::vector<std::vector<Vec3>> lines;
   const json* value = find(document, "incisions_lps_mm");
@@ -182,6 +195,7 @@ Plan read_plan(const std::string& json_text, const std::string& file_name) {
     plan.clearance = *clearance * mm;
   }
   read_resection(document, file_name, plan);
+  plan.outline = read_outline(document, file_name);
   plan.incisions = read_incisions(document, file_name);
   if (const auto midline = optional_number(document, "midline_x_mm", file_name)) {
     check_side(plan, *midline * mm, file_name);
@@ -208,6 +222,12 @@ std::string write_plan(const Plan& plan) {
   }
   if (plan.axis) {
     document["resection"]["axis_towards_skin_lps"] = *plan.axis;
+  }
+  if (!plan.outline.empty()) {
+    document["resection"]["outline_lps_mm"] = json::array();
+    for (const Vec3& p : plan.outline) {
+      document["resection"]["outline_lps_mm"].push_back(to_mm(p));
+    }
   }
   json lines = json::array();
   for (const auto& line : plan.incisions) {

@@ -18,7 +18,27 @@ constexpr double normal_smoothing = 20.0 * mm;
 /// The rounded maximum of three distances changes at most sqrt(3) per metre.
 constexpr double steepest = 1.7320508;
 /// Edge of the small tetrahedra of cut cells: against the 4 mm rounding they err by 0.1 mm.
-constexpr double lattice_edge = 2.0 * mm;
+double lattice_edge(Detail detail) {
+  return (detail == Detail::Full ? 2.0 : 4.5) * mm;
+}
+
+/// Distance to a polygon's edges, negative inside (even-odd rule, so the sense does not matter).
+double polygon_distance(const std::vector<std::array<double, 2>>& polygon, double x, double y) {
+  double best = std::numeric_limits<double>::infinity();
+  bool inside = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const auto& [ax, ay] = polygon[j];
+    const auto& [bx, by] = polygon[i];
+    const double ux = bx - ax, uy = by - ay, length2 = ux * ux + uy * uy;
+    const double t =
+        length2 > 0.0 ? std::clamp(((x - ax) * ux + (y - ay) * uy) / length2, 0.0, 1.0) : 0.0;
+    best = std::min(best, std::hypot(x - ax - t * ux, y - ay - t * uy));
+    if ((ay > y) != (by > y) && x < ax + (y - ay) / uy * ux) {
+      inside = !inside;
+    }
+  }
+  return inside ? -best : best;
+}
 
 std::string in_mm(const Vec3& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p[0] / mm, p[1] / mm, p[2] / mm);
@@ -87,13 +107,14 @@ double share_below_zero(std::array<double, 4> f) {
 }  // namespace
 
 Resection::Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
-                     double midline_x_m)
-    : skin_tree_(boundary(mesh, points, "skin")),
-      chest_tree_(boundary(mesh, points, "chest")),
+                     double midline_x_m, Detail detail)
+    : skin_tree_{SurfaceTree(boundary(mesh, points, "skin"))},
+      chest_tree_{SurfaceTree(boundary(mesh, points, "chest"))},
       body_(mesh, points),
       centre_(plan.tumour_centre),
       radius_(plan.radius.value_or(plan.tumour_radius + plan.margin)),
-      clearance_(plan.clearance) {
+      clearance_(plan.clearance),
+      detail_(detail) {
   require((centre_[0] > midline_x_m) == (plan.side == Side::Left),
           "surgery: operated_side is {} but the tumour at x = {:.1f} mm lies on the other side of "
           "the model's midline at {:.1f} mm",
@@ -104,6 +125,7 @@ Resection::Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3
                 "check tumour.centre_lps_mm (LPS millimetres) and the plan's frame");
   }
   place_axis(plan, boundary(mesh, points, "skin"), boundary(mesh, points, "chest"));
+  place_outline(plan);
   const double room = norm(skin_ - chest_) - 2.0 * clearance_;
   require(room > 0.0,
           "surgery: skin and chest wall are {:.1f} mm apart at the tumour, nothing is left between "
@@ -114,7 +136,7 @@ Resection::Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3
 }
 
 void Resection::place_axis(const Plan& plan, const TriMesh& skin, const TriMesh& chest) {
-  const Vec3 foot = chest_tree_.closest(centre_).point;
+  const Vec3 foot = chest_tree_.tree.closest(centre_).point;
   axis_ = plan.axis ? normalised(*plan.axis) : smoothed_chest_normal(chest, foot);
   const auto up = first_hit(skin, centre_, axis_);
   if (!up) {
@@ -131,7 +153,28 @@ void Resection::place_axis(const Plan& plan, const TriMesh& skin, const TriMesh&
   chest_ = down ? centre_ - *down * axis_ : foot;
 }
 
+/// The curve as a polygon across the axis, around the tumour's centre.
+void Resection::place_outline(const Plan& plan) {
+  const Vec3 helper = std::abs(axis_[2]) < 0.7 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
+  grid_.e1 = normalised(cross(helper, axis_));
+  grid_.e2 = cross(axis_, grid_.e1);
+  if (plan.outline.empty()) {
+    return;
+  }
+  radius_ = 0.0;
+  for (const Vec3& p : plan.outline) {
+    outline_.push_back({dot(p - centre_, grid_.e1), dot(p - centre_, grid_.e2)});
+    radius_ = std::max(radius_, std::hypot(outline_.back()[0], outline_.back()[1]));
+  }
+  require(
+      polygon_distance(outline_, 0.0, 0.0) < 0.0,
+      "surgery: the tumour's centre is not inside the drawn outline; draw it around the tumour");
+}
+
 double Resection::lateral(const Vec3& p) const {
+  if (!outline_.empty()) {
+    return polygon_distance(outline_, dot(p - centre_, grid_.e1), dot(p - centre_, grid_.e2));
+  }
   return norm(cross(p - centre_, axis_)) - radius_;
 }
 
@@ -148,17 +191,18 @@ Resection::Caps Resection::caps_near(const Vec3& p, double reach) const {
     skin = near.skin - way;
     chest = near.chest - way;
   }
-  return {skin < far && skin_tree_.closest(p).distance < far,
-          chest < far && chest_tree_.closest(p).distance < far};
+  return {skin < far && skin_tree_.distance(p, far) < far,
+          chest < far && chest_tree_.distance(p, far) < far};
 }
 
 // Intersection of three half-spaces given by distances, with circular edges of radius `blend_`
 // inside them: never beyond any of the three, and equal to each where the others are far.
 double Resection::shape(const Vec3& p, Caps caps) const {
   const double none = -std::numeric_limits<double>::infinity();
+  const double reach = clearance_ + blend_;  // beyond it a cap does not touch the shape
   const std::array<double, 3> f{lateral(p),
-                                caps.skin ? clearance_ - skin_tree_.closest(p).distance : none,
-                                caps.chest ? clearance_ - chest_tree_.closest(p).distance : none};
+                                caps.skin ? clearance_ - skin_tree_.distance(p, reach) : none,
+                                caps.chest ? clearance_ - chest_tree_.distance(p, reach) : none};
   double squares = 0.0;
   for (const double x : f) {
     const double over = std::max(x + blend_, 0.0);
@@ -238,7 +282,7 @@ double Resection::volume_fraction(const std::array<Vec3, 4>& corners) const {
   if (std::abs(f) > steepest * reach) {
     return f < 0.0 ? 1.0 : 0.0;
   }
-  return cut_share(corners, static_cast<int>(std::ceil(edge / lattice_edge)), caps);
+  return cut_share(corners, static_cast<int>(std::ceil(edge / lattice_edge(detail_))), caps);
 }
 
 }  // namespace sanatrix::surgery

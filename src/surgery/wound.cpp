@@ -23,8 +23,9 @@ std::vector<Vec3> directions(int count) {
 }
 
 /// Says it when the tumour or its margin is not removed completely, and by how much.
-std::vector<std::string> margin_warnings(const Plan& plan, const Resection& resection) {
-  constexpr int count = 400;  // 10 degrees apart
+std::vector<std::string> margin_warnings(const Plan& plan, const Resection& resection,
+                                         Detail detail) {
+  const int count = detail == Detail::Full ? 400 : 100;  // 10 and 20 degrees apart
   const double tumour = plan.tumour_radius, planned = tumour + plan.margin;
   double reached = planned;
   for (const Vec3& d : directions(count)) {
@@ -53,9 +54,9 @@ std::vector<std::string> margin_warnings(const Plan& plan, const Resection& rese
 }  // namespace
 
 Wound resect(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
-             double midline_x_m, const Context& ctx) {
+             double midline_x_m, const Context& ctx, Detail detail) {
   ctx.at(0.0, "placing the resection");
-  const Resection resection(plan, mesh, points, midline_x_m);
+  const Resection resection(plan, mesh, points, midline_x_m, detail);
   ctx.at(0.3, "marking the removed tissue");
   Wound wound;
   wound.fraction.reserve(mesh.cells.size());
@@ -72,7 +73,7 @@ Wound resect(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points
   wound.exact_m3 = exact.volume_m3;
   wound.min_skin_distance_m = exact.min_skin_distance_m;
   wound.min_chest_distance_m = exact.min_chest_distance_m;
-  wound.warnings = margin_warnings(plan, resection);
+  wound.warnings = margin_warnings(plan, resection, detail);
 
   ctx.at(0.9, "placing the incision");
   auto lines = plan.incisions;

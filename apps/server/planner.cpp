@@ -1,0 +1,199 @@
+// Routing, the page's own files, and answers about jobs, events and uploads.
+#include "planner.hpp"
+
+#include <algorithm>
+
+#include "answers.hpp"
+#include "client_files.hpp"
+#include "core/error.hpp"
+
+namespace sanatrix::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// What may be uploaded; the name it was given may name a person and is not kept.
+constexpr std::array upload_extensions{".nii.gz", ".nii", ".nrrd", ".mha", ".json",
+                                       ".dcm",    ".zip", ".obj",  ".mtl", ".ply",
+                                       ".stl",    ".jpg", ".jpeg", ".png"};
+
+std::string extension_of(const std::string& name) {
+  std::string lower = name;
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const std::string known : upload_extensions) {
+    if (lower.ends_with(known)) {
+      return known;
+    }
+  }
+  // Files of a DICOM series often have no extension, or digits and dots.
+  return ".dcm";
+}
+
+bool is_upload_id(const std::string& id) {
+  return id.size() == 32 && id.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+}  // namespace
+
+Planner::Planner(CaseStore& cases, JobQueue& jobs, const Abilities& abilities)
+    : cases_(cases), jobs_(jobs), abilities_(abilities) {
+  add("GET", "/api/session", &Planner::session);
+  add("GET", "/api/cases", &Planner::list_cases);
+  add("POST", "/api/cases", &Planner::create_case);
+  add("GET", "/api/cases/{case}", &Planner::show_case);
+  add("DELETE", "/api/cases/{case}", &Planner::delete_case);
+  add("POST", "/api/cases/{case}/copies", &Planner::copy_case);
+  add("POST", "/api/cases/{case}/run", &Planner::run_case);
+  add("GET", "/api/cases/{case}/scene", &Planner::scene);
+  add("GET", "/api/cases/{case}/healing", &Planner::healing);
+  add("GET", "/api/cases/{case}/volume", &Planner::volume);
+  add("GET", "/api/cases/{case}/plan", &Planner::show_plan);
+  add("POST", "/api/cases/{case}/preview", &Planner::preview_plan);
+  add("POST", "/api/cases/{case}/incisions/{kind}", &Planner::propose_incision);
+  add("GET", "/api/cases/{case}/carry", &Planner::carry_point);
+  add("GET", "/api/cases/{case}/files", &Planner::list_files);
+  add("GET", "/api/cases/{case}/files/{stage}/{file}", &Planner::send_file);
+  add("GET", "/api/jobs", &Planner::list_jobs);
+  add("POST", "/api/jobs/{job}/cancel", &Planner::cancel_job);
+  add("POST", "/api/jobs/{job}/resume", &Planner::resume_job);
+  add("GET", "/api/events", &Planner::events);
+  add("POST", "/api/uploads", &Planner::take_upload);
+}
+
+void Planner::add(const std::string& method, const std::string& pattern, Answer reply) {
+  std::string form = std::regex_replace(pattern, std::regex(R"(\{file\})"), "(.+)");
+  form = std::regex_replace(form, std::regex(R"(\{[a-z]+\})"), "([^/]+)");
+  routes_.push_back({method, pattern, std::regex("^" + form + "$"), reply});
+}
+
+std::vector<std::string> Planner::routes() const {
+  std::vector<std::string> list;
+  for (const Route& route : routes_) {
+    list.push_back(route.method + " " + route.pattern);
+  }
+  return list;
+}
+
+std::optional<Response> Planner::refuse(const Request& head) {
+  return guard_->refuse(head);
+}
+
+std::optional<fs::path> Planner::upload_target(const Request& head) {
+  if (head.method != "POST" || head.path != "/api/uploads") {
+    return std::nullopt;
+  }
+  const std::string batch = head.parameter("batch");
+  const std::string id = is_upload_id(batch) ? batch : random_name();
+  const fs::path folder = cases_.own_folder() / "uploads" / id;
+  std::error_code none;
+  fs::create_directories(folder, none);
+  return folder / (random_name().substr(0, 8) + extension_of(head.parameter("name")));
+}
+
+Response Planner::answer(const Request& request) {
+  try {
+    return route(request);
+  } catch (...) {  // every failure is an answer
+    return error_answer();
+  }
+}
+
+Response Planner::route(const Request& request) {
+  if (request.method == "GET" && request.path == "/start") {
+    return guard_->enter(request);
+  }
+  if (request.method == "GET" && !request.path.starts_with("/api/")) {
+    const std::string name = request.path == "/" ? "/index.html" : request.path;
+    if (const auto file = client_file(name)) {
+      return {.type = content_type(name), .body = std::string(*file)};
+    }
+  }
+  bool known = false;
+  for (const Route& route : routes_) {
+    std::smatch match;
+    if (std::regex_match(request.path, match, route.form)) {
+      known = true;
+      if (route.method == request.method) {
+        return (this->*route.answer)(request, Parts(std::next(match.begin()), match.end()));
+      }
+    }
+  }
+  const int status = known ? 405 : 404;
+  return json_answer({{"fault", "input"},
+                      {"what", known ? "this cannot be done here" : "there is nothing here"},
+                      {"hint", ""}},
+                     status);
+}
+
+Response Planner::session(const Request&, const Parts&) {
+  json presets = json::array(), parameters = json::array();
+  for (const pipeline::ParameterInfo& p : pipeline::parameter_table()) {
+    if (p.key == "heal.preset") {
+      presets = p.choices;
+    }
+  }
+  return json_answer(
+      {{"proof", guard_->proof()},
+       {"abilities",
+        {{"dicom", abilities_.dicom}, {"scan", abilities_.scan}, {"report", abilities_.report}}},
+       {"healing_presets", presets},
+       {"notice", "Research use only. Not a medical device."}});
+}
+
+Response Planner::list_jobs(const Request&, const Parts&) {
+  json list = json::array();
+  for (const Job& job : jobs_.jobs()) {
+    list.push_back(to_json(job));
+  }
+  return json_answer({{"jobs", list}});
+}
+
+Response Planner::cancel_job(const Request&, const Parts& parts) {
+  jobs_.cancel(parts[0]);
+  return json_answer({{"ok", true}});
+}
+
+Response Planner::resume_job(const Request&, const Parts& parts) {
+  jobs_.resume(parts[0]);
+  return json_answer({{"ok", true}});
+}
+
+Response Planner::events(const Request&, const Parts&) {
+  Response response;
+  response.feed = [this, told = -1L]() mutable -> std::string {
+    const long now = jobs_.revision();
+    if (now == told) {
+      return {};
+    }
+    told = now;
+    json list = json::array();
+    for (const Job& job : jobs_.jobs()) {
+      if (list.size() < 20) {
+        list.push_back(to_json(job));
+      }
+    }
+    return "event: jobs\ndata: " +
+           json{{"jobs", list}}.dump(-1, ' ', false, json::error_handler_t::replace) + "\n\n";
+  };
+  return response;
+}
+
+Response Planner::take_upload(const Request& request, const Parts&) {
+  ensure(!request.upload.empty(), "an upload without a file");
+  require(fs::file_size(request.upload) > 0, "the uploaded file is empty");
+  return json_answer({{"upload", request.upload.parent_path().filename().string()}}, 201);
+}
+
+fs::path Planner::uploaded(const json& id) const {
+  require(id.is_string() && is_upload_id(id.get<std::string>()), "this is not an upload");
+  const fs::path folder = cases_.own_folder() / "uploads" / id.get<std::string>();
+  require(fs::is_directory(folder) && !fs::is_empty(folder), "the upload is not there any more");
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    files.push_back(entry.path());
+  }
+  return files.size() == 1 ? files[0] : folder;
+}
+
+}  // namespace sanatrix::server

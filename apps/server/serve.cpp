@@ -1,0 +1,88 @@
+#include "serve.hpp"
+
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <thread>
+
+#include <fcntl.h>
+#include <spawn.h>
+
+#include "child.hpp"
+#include "core/error.hpp"
+#include "core/files.hpp"
+#include "planner.hpp"
+
+extern char** environ;
+
+namespace sanatrix::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What the program says about itself when asked with these words.
+std::string help_text(const std::vector<std::string>& words, const fs::path& folder) {
+  using namespace std::chrono_literals;
+  const ProcessId child = start_child(words, folder / "help.txt", folder / "help-messages.txt");
+  std::optional<Exit> exit;
+  for (int i = 0; i < 200 && !(exit = exit_of(child)); ++i) {
+    std::this_thread::sleep_for(50ms);
+  }
+  return exit && exit->code == 0 ? read_text(folder / "help.txt") : std::string();
+}
+
+Abilities abilities_of_this_build(const fs::path& folder) {
+  const std::string make = help_text({"new", "--help"}, folder),
+                    all = help_text({"--help"}, folder);
+  return {.dicom = make.find("--series") != std::string::npos,
+          .scan = make.find("--scan") != std::string::npos,
+          .report = all.find("\n  report ") != std::string::npos};
+}
+
+/// Only one server may keep one folder's queue.
+class OnlyOne {
+ public:
+  explicit OnlyOne(const fs::path& file)
+      : file_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    if (file_ < 0 || ::fcntl(file_, F_SETLK, &lock) != 0) {
+      throw Error(Fault::Resource, "another planner is serving these cases already",
+                  "use its window, or give another folder with --cases");
+    }
+  }
+  OnlyOne(const OnlyOne&) = delete;
+  OnlyOne& operator=(const OnlyOne&) = delete;
+
+ private:
+  int file_;  // closed by the kernel, together with the lock
+};
+
+void open_browser(std::string address) {
+  std::string program = "xdg-open";
+  std::vector<char*> argv{program.data(), address.data(), nullptr};
+  pid_t child = 0;
+  posix_spawnp(&child, program.c_str(), nullptr, nullptr, argv.data(), environ);
+}
+
+}  // namespace
+
+void serve(const ServeOptions& options, const std::function<void(const std::string&)>& ready,
+           const std::function<bool()>& stop) {
+  std::signal(SIGPIPE, SIG_IGN);
+  CaseStore cases(options.cases);
+  const OnlyOne only(cases.own_folder() / "lock");
+  const Abilities abilities = abilities_of_this_build(cases.own_folder());
+  JobQueue jobs(cases.own_folder(), cases.root());
+  Planner planner(cases, jobs, abilities);
+  HttpServer server(options.port, planner);
+  const Guard guard(server.port(), cases.own_folder() / "keys");
+  planner.admit(guard);
+  ready(guard.start_address());
+  if (options.open) {
+    open_browser(guard.start_address());
+  }
+  server.run(stop);
+}
+
+}  // namespace sanatrix::server

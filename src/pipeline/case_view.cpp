@@ -1,0 +1,98 @@
+#include "pipeline/case_view.hpp"
+
+#include "core/error.hpp"
+#include "pipeline/artefacts.hpp"
+
+namespace sanatrix::pipeline {
+
+CaseView::CaseView(const Case& patient) {
+  const auto file = [&](Stage stage, const char* name) {
+    return patient.stage_folder(stage) / name;
+  };
+  if (!std::filesystem::exists(file(Stage::Mesh, "model.bin"))) {
+    throw Error(Fault::Input, "this case has no model yet", "run it at least to the stage mesh");
+  }
+  model_ = load_model(file(Stage::Mesh, "model.bin"));
+  poses_["prone"] = model_.mesh.points;
+  const std::array<std::tuple<const char*, Stage, const char*>, 5> others{
+      {{"unloaded", Stage::Unload, "shape.bin"},
+       {"supine", Stage::Supine, "shape.bin"},
+       {"healed", Stage::Heal, "shape.bin"},
+       {"before", Stage::Upright, "before.bin"},
+       {"after", Stage::Upright, "after.bin"}}};
+  for (const auto& [name, stage, shape_file] : others) {
+    if (!std::filesystem::exists(file(stage, shape_file))) {
+      continue;
+    }
+    const mechanics::Shape shape = load_shape(file(stage, shape_file)).shape;
+    // A pose of an older, different mesh is of no use.
+    if (shape.nodes.size() >= model_.mesh.points.size()) {
+      const auto points = vertices(model_.mesh, shape);
+      poses_[name] = {points.begin(), points.end()};
+    }
+  }
+}
+
+const std::vector<Vec3>& CaseView::pose(const std::string& name) const {
+  const auto at = poses_.find(name);
+  if (at == poses_.end()) {
+    throw Error(Fault::Input, fmt::format("the pose \"{}\" has not been computed", name),
+                "run the case further");
+  }
+  return at->second;
+}
+
+const TetLocator& CaseView::locator(const std::string& name) const {
+  const std::scoped_lock lock(mutex_);
+  const auto [at, made] = locators_.try_emplace(name, model_.mesh, pose(name));
+  return at->second;
+}
+
+std::vector<Vec3> CaseView::carry(std::span<const Vec3> points, const std::string& from,
+                                  const std::string& to) const {
+  std::vector<Vec3> carried;
+  if (from == to || points.empty()) {
+    return {points.begin(), points.end()};
+  }
+  const TetLocator& place_of = locator(from);
+  const std::vector<Vec3>& target = pose(to);
+  for (const Vec3& p : points) {
+    const TetLocator::Place place = place_of.nearest(p);
+    const auto& cell = model_.mesh.cells[static_cast<std::size_t>(place.cell)];
+    Vec3 q{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      q += place.barycentric[i] * target[static_cast<std::size_t>(cell[i])];
+    }
+    carried.push_back(q);
+  }
+  return carried;
+}
+
+std::string pose_of(surgery::Frame frame) {
+  return frame == surgery::Frame::Prone ? "prone" : "supine";
+}
+
+surgery::Plan in_frame(const surgery::Plan& plan, surgery::Frame frame, const CaseView& view) {
+  if (plan.frame == frame) {
+    return plan;
+  }
+  const std::string from = pose_of(plan.frame), to = pose_of(frame);
+  surgery::Plan moved = plan;
+  moved.frame = frame;
+  const Vec3 centre = plan.tumour_centre;
+  moved.tumour_centre = view.carry(std::array<Vec3, 1>{centre}, from, to)[0];
+  if (plan.axis) {
+    // A short piece of the axis at the tumour turns with the tissue there.
+    constexpr double piece = 5e-3;
+    const auto ends = view.carry(
+        std::array<Vec3, 2>{centre - piece * *plan.axis, centre + piece * *plan.axis}, from, to);
+    moved.axis = normalised(ends[1] - ends[0]);
+  }
+  moved.outline = view.carry(plan.outline, from, to);
+  for (auto& line : moved.incisions) {
+    line = view.carry(line, from, to);
+  }
+  return moved;
+}
+
+}  // namespace sanatrix::pipeline

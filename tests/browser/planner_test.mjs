@@ -1,0 +1,263 @@
+// Drives the planner as a surgeon would, in Chromium: create, plan, simulate, watch, compare,
+// download. Usage: node planner_test.mjs PROGRAM WEB_FOLDER [SCREENSHOT_FOLDER]. Skips with 77.
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import fs from 'node:fs';
+import { createRequire } from 'node:module';
+import os from 'node:os';
+import path from 'node:path';
+
+const [program, web, shots] = process.argv.slice(2);
+const chromiumPath = '/usr/bin/chromium';
+if (!fs.existsSync(chromiumPath) || !fs.existsSync(path.join(web, 'node_modules/playwright-core'))) {
+  console.log('skipped: /usr/bin/chromium or playwright-core is not installed');
+  process.exit(77);
+}
+const require = createRequire(path.join(path.resolve(web), 'package.json'));
+const { chromium } = require('playwright-core');
+const axe = fs.readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
+const flags = ['--no-sandbox', '--no-first-run', '--disable-quic', '--disable-background-networking', '--disable-component-update',
+  '--disable-sync', '--disable-default-apps', '--disable-extensions', '--mute-audio', '--disable-gpu', '--enable-unsafe-swiftshader'];
+/** Coarse enough for a test; everything else is as the page asks for it. */
+const quick = { 'mesh.target_vertices': '1500', 'mesh.near_edge_mm': '8', 'segment.spacing_mm': '2', 'heal.days': '24', 'mesh.preset': 'standard' };
+const minutes = (n) => n * 60_000;
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'planner-'));
+const server = spawn(program, ['serve', '--cases', path.join(folder, 'cases'), '--port', '0', '--json'],
+  { stdio: ['ignore', 'pipe', 'inherit'], env: { ...process.env, OMP_NUM_THREADS: '1', OPENBLAS_NUM_THREADS: '1' } });
+const address = await new Promise((resolve, reject) => {
+  server.stdout.once('data', (data) => resolve(JSON.parse(data).address));
+  server.once('exit', () => reject(new Error('the server ended')));
+});
+let browser;
+const problems = [];
+
+async function open(extra = [], size = { width: 1400, height: 860 }) {
+  browser = await chromium.launch({ executablePath: chromiumPath, args: [...flags, ...extra] });
+  const context = await browser.newContext({ viewport: size, acceptDownloads: true });
+  const page = await context.newPage();
+  page.setDefaultTimeout(minutes(1));
+  page.on('console', (m) => { if (m.type() === 'error') problems.push(m.text()); });
+  page.on('pageerror', (e) => problems.push(e.message));
+  await page.goto(address);
+  return page;
+}
+/** Mean, spread and a fingerprint of what the 3-D canvas shows. */
+async function pixels(page) {
+  await page.waitForTimeout(700);
+  return page.evaluate(() => {
+    const gl = document.querySelector('.viewer canvas');
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [200, 140];
+    const context = copy.getContext('2d', { willReadFrequently: true });
+    context.drawImage(gl, 0, 0, 200, 140);
+    const data = context.getImageData(0, 0, 200, 140).data;
+    let sum = 0, squares = 0, hash = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      sum += data[i]; squares += data[i] * data[i];
+      hash = (hash * 31 + data[i] + 7 * data[i + 1] + 13 * data[i + 2]) | 0;
+    }
+    const n = data.length / 4, mean = sum / n;
+    return { lost: gl.getContext('webgl2').isContextLost(), spread: Math.sqrt(squares / n - mean * mean), hash };
+  });
+}
+async function assertPicture(page, what) {
+  const seen = await pixels(page);
+  assert.equal(seen.lost, false, `${what}: the graphics context is lost`);
+  assert.ok(seen.spread > 10, `${what}: the view is blank (spread ${seen.spread})`);
+  return seen.hash;
+}
+async function accessible(page, where) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
+  const serious = violations.filter((v) => ['serious', 'critical'].includes(v.impact));
+  assert.deepEqual(serious.map((v) => `${v.id}: ${v.nodes.map((n) => n.target).join(' ')}`), [], `axe on ${where}`);
+}
+const shot = async (page, name) => { if (shots) await page.screenshot({ path: path.join(shots, `${name}.png`) }); };
+const excised = async (page) => Number((await page.textContent('.numbers .big strong')).replace(/[^0-9.]/g, ''));
+async function settled(page) {
+  await page.waitForFunction(() => {
+    const numbers = document.querySelector('.numbers');
+    return numbers?.dataset.live === 'false' && numbers.getAttribute('aria-busy') === 'false';
+  });
+}
+async function slide(page, label, presses, key = 'ArrowRight') {
+  const slider = page.getByRole('slider', { name: label });
+  await slider.focus();
+  for (let i = 0; i < presses; ++i) await page.keyboard.press(key);
+  await page.waitForTimeout(300);
+  await settled(page);
+}
+async function simulate(page) {
+  await page.click('#simulate');
+  await page.waitForSelector('.progress [role=progressbar]');
+  await shot(page, 'progress');
+  await page.waitForSelector('text=Volume of the operated region', { timeout: minutes(6) });
+  await page.waitForFunction(() => !document.querySelector('.progress'), null, { timeout: minutes(6) });
+}
+
+async function createAndPlan(page) {
+  await page.waitForSelector('text=No cases yet');
+  await accessible(page, 'the empty list');
+  await page.route('**/api/cases', (route) => {
+    const body = route.request().postDataJSON();
+    if (route.request().method() !== 'POST') return route.continue();
+    return route.continue({ postData: JSON.stringify({ ...body, set: quick }) });
+  });
+  await page.click('text=New case');
+  await accessible(page, 'the new case');
+  await shot(page, 'new-case');
+  await page.fill('dialog input[type=text]', '<img src=x onerror=alert(1)>');
+  await page.fill('dialog input[type=text]', 'walk-through');
+  await page.click('dialog button[type=submit]');
+  await page.waitForSelector('.coming');
+  await shot(page, 'creating');
+  await page.waitForSelector('.case-link', { timeout: minutes(6) });
+  await page.waitForFunction(() => !document.querySelector('.state.working'), null, { timeout: minutes(6) });
+  assert.equal(await page.locator('main img, main canvas').count(), 0, 'no pictures of anybody in lists');
+  await accessible(page, 'the list');
+  const start = Date.now();
+  await page.click('.case-link');
+  await settled(page);
+  console.log(`open a case: ${Date.now() - start} ms (target 3000)`);
+}
+
+async function changePlan(page) {
+  await assertPicture(page, 'the plan');
+  await accessible(page, 'the plan');
+  await shot(page, 'plan');
+  const first = await excised(page);
+  assert.ok(first > 5 && first < 150, `excised ${first} cm3`);
+  const before = await pixels(page);
+  await slide(page, 'Margin', 5);
+  const wider = await excised(page);
+  assert.ok(wider > 1.2 * first, `5 mm more margin: ${first} -> ${wider} cm3`);
+  assert.notEqual((await pixels(page)).hash, before.hash, 'a wider excision looks different');
+  await page.keyboard.press('Control+z');
+  await page.keyboard.press('Control+z');
+  await page.keyboard.press('Control+z');
+  await page.keyboard.press('Control+z');
+  await page.keyboard.press('Control+z');
+  await page.waitForTimeout(500);
+  await settled(page);
+  assert.equal(await excised(page), first, 'undo brings the numbers back');
+  // A change while dragging: the live answer's time.
+  const live = await page.evaluate(async () => {
+    const slider = [...document.querySelectorAll('.panel input[type=range]')].find((i) => i.getAttribute('aria-label') === 'Margin');
+    slider.value = '12';
+    slider.dispatchEvent(new Event('input', { bubbles: true }));
+    const numbers = document.querySelector('.numbers');
+    await new Promise((done) => { const t = setInterval(() => { if (numbers.dataset.live === 'true') { clearInterval(t); done(); } }, 5); });
+    return Number(numbers.dataset.ms);
+  });
+  console.log(`plan edit to live numbers: ${live} ms (target 200)`);
+  // Place the tumour by a click, look for the time of the pick itself.
+  const where = await page.textContent('.numbers .where');
+  await page.click('text=Move: click on the breast');
+  const box = await page.locator('.viewer canvas').boundingBox();
+  await page.mouse.click(box.x + 0.62 * box.width, box.y + 0.55 * box.height);
+  await page.waitForSelector('text=Depth below skin');
+  await page.waitForTimeout(500);
+  await settled(page);
+  const pick = await page.evaluate(() => window.sanatrix.viewer.lastPickMs);
+  console.log(`pick: ${pick.toFixed(1)} ms (target 16)`);
+  assert.notEqual(await page.textContent('.numbers .where'), where, 'the tumour is somewhere else now');
+  assert.match(await page.textContent('.numbers .where'), /left breast|right breast/);
+  await page.keyboard.press('Control+z');
+  for (const name of ['Circumareolar', 'Radial', 'Fold']) {
+    const was = (await pixels(page)).hash;
+    await page.click(`.choice span:text-is("${name}")`);
+    await page.waitForTimeout(600);
+    await settled(page);
+    assert.notEqual((await pixels(page)).hash, was, `the incision ${name} is seen`);
+  }
+  await shot(page, 'plan-changed');
+}
+
+async function watchAndCompare(page) {
+  await simulate(page);
+  const dayZero = await assertPicture(page, 'healing');
+  await page.getByRole('slider', { name: 'Day' }).focus();
+  await page.keyboard.press('End');
+  assert.notEqual(await assertPicture(page, 'healing at the end'), dayZero, 'healing changes the cut');
+  await accessible(page, 'healing');
+  await shot(page, 'healing');
+  await page.click('.path a:has-text("Result")');
+  await page.waitForSelector('.measures');
+  const half = await assertPicture(page, 'the result');
+  await shot(page, 'result');
+  await page.click('.choice span:text-is("Change")');
+  assert.notEqual(await assertPicture(page, 'the change'), half);
+  await shot(page, 'change');
+  await accessible(page, 'the result');
+  await page.click('.path a:has-text("Plan")');
+  await settled(page);
+  await slide(page, 'Margin', 6);
+  await page.fill('input[placeholder="Plan A"]', '<b>wide</b>');
+  await page.click('#another');
+  await page.waitForFunction(() => location.hash.includes('-plan/'), null, { timeout: minutes(1) });
+  await page.waitForFunction(() => document.querySelector('#simulate') && !document.querySelector('#simulate').disabled, null, { timeout: minutes(3) });
+  await simulate(page);
+  await page.click('.path a:has-text("Compare")');
+  await page.waitForFunction(() => document.querySelectorAll('.measures thead th').length === 3);
+  assert.equal(await page.locator('.measures b, .pane-title b').count(), 0, 'labels never become markup');
+  const plain = await assertPicture(page, 'two plans');
+  assert.equal(await page.locator('.pane-title').count(), 2);
+  await page.click('.choice span:text-is("Displacement")');
+  assert.notEqual(await assertPicture(page, 'two displacements'), plain);
+  await shot(page, 'compare');
+  await accessible(page, 'the comparison');
+}
+
+async function download(page) {
+  await page.click('.path a:has-text("Result")');
+  await page.waitForSelector('.measures');
+  const report = page.locator('#report');
+  if ((await report.count()) === 0) await page.click('summary:has-text("All result files")');
+  const link = (await report.count()) > 0 ? report : page.locator('.files a:has-text("outcome.json")');
+  const [file] = await Promise.all([page.waitForEvent('download'), link.click()]);
+  assert.ok(fs.statSync(await file.path()).size > 500);
+}
+
+async function elsewhere() {
+  const id = fs.readdirSync(path.join(folder, 'cases')).find((n) => n.startsWith('walk'));
+  let page = await open([], { width: 390, height: 780 });
+  await page.goto(`${new URL(address).origin}/#/case/${id}/plan`);
+  await settled(page);
+  await shot(page, 'phone');
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(wide <= 0, `the page is ${wide} px wider than a phone`);
+  await browser.close();
+  page = await open(['--disable-3d-apis']);
+  await page.goto(`${new URL(address).origin}/#/case/${id}/result`);
+  await page.waitForSelector('.pictures img');
+  await page.waitForFunction(() => document.querySelector('.pictures img').naturalWidth > 100);
+  assert.ok(await page.locator('.measures td').count() > 5, 'the numbers are there without 3-D');
+  await shot(page, 'no-webgl');
+  await browser.close();
+}
+
+let failed = null;
+try {
+  const page = await open();
+  await createAndPlan(page);
+  await changePlan(page);
+  await watchAndCompare(page);
+  await download(page);
+  await browser.close();
+  const quiet = problems.splice(0);
+  assert.deepEqual(quiet, [], 'errors on the console');
+  await elsewhere();
+  console.log('the whole path works');
+} catch (problem) {
+  failed = problem;
+  const page = browser?.contexts()[0]?.pages()[0];
+  if (page && shots) await page.screenshot({ path: path.join(shots, 'failed.png') }).catch(() => undefined);
+  console.error(problem, '\nconsole:', problems);
+} finally {
+  await browser?.close().catch(() => undefined);
+  server.kill('SIGINT');
+  await new Promise((done) => { server.once('exit', done); setTimeout(done, 30_000); });
+  fs.rmSync(folder, { recursive: true, force: true });
+}
+process.exit(failed ? 1 : 0);

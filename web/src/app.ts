@@ -1,0 +1,125 @@
+// What the page knows, and the frame around the steps: banner, path at the left, view, panel.
+import { api, type CaseSummary, type Job, type Session, type StageState } from './api';
+import { Body } from './view/body';
+import { Viewer } from './view/viewer';
+import { fill, h } from './dom';
+import { progressCard } from './run/progress';
+import { text } from './text';
+
+export type StepName = 'patient' | 'anatomy' | 'plan' | 'healing' | 'result' | 'compare';
+export interface StepView {
+  panel: HTMLElement;
+  /** Stands in the middle instead of the 3-D view. */
+  stage?: HTMLElement;
+  /** Below the view: sliders. */
+  tools?: HTMLElement;
+  /** The case or a job has changed. */
+  update?(): void;
+  key?(event: KeyboardEvent): boolean;
+  close?(): void;
+}
+export type Step = (app: App) => StepView | Promise<StepView>;
+
+export class App {
+  session!: Session;
+  jobs: Job[] = [];
+  summary: CaseSummary | null = null;
+  viewer: Viewer | null = null;
+  body: Body | null = null;
+  lost = false;
+  private readonly bodies = new Map<string, { stamp: string; body: Body }>();
+
+  constructor(readonly root: HTMLElement) {
+    try { this.viewer = new Viewer(); } catch { this.viewer = null; }
+  }
+
+  jobOf(id: string): Job | undefined {
+    return this.jobs.find((j) => j.case === id && (j.state === 'running' || j.state === 'queued'))
+      ?? this.jobs.find((j) => j.case === id);
+  }
+  busy(id: string): boolean {
+    const job = this.jobOf(id);
+    return job?.state === 'running' || job?.state === 'queued';
+  }
+  stageState(name: string): StageState | 'running' {
+    const job = this.summary ? this.jobOf(this.summary.id) : undefined;
+    if (job?.state === 'running' && job.progress.stage === name && !job.progress.finished.includes(name)) return 'running';
+    return this.summary?.stages.find((s) => s.name === name)?.state ?? 'missing';
+  }
+  isReady(name: string): boolean { const s = this.stageState(name); return s === 'fresh' || s === 'stale'; }
+
+  /** The 3-D body of a case, kept while its results stay the same. */
+  async bodyOf(summary: CaseSummary): Promise<Body | null> {
+    if (!this.viewer || !summary.stages.some((s) => s.name === 'mesh' && s.seconds > 0)) return null;
+    const stamp = summary.stages.map((s) => `${s.state}${s.seconds}`).join();
+    const kept = this.bodies.get(summary.id);
+    if (kept?.stamp === stamp) return kept.body;
+    const body = new Body(await api.scene(summary.id));
+    kept?.body.dispose();
+    this.bodies.set(summary.id, { stamp, body });
+    return body;
+  }
+
+  notify(message: string, hint = ''): void {
+    const box = h('div', { class: 'toast', role: 'alert' }, h('strong', {}, message), hint ? h('span', {}, hint) : null,
+      h('button', { class: 'plain', 'aria-label': text.close, onclick: () => box.remove() }, '×'));
+    document.querySelector('.toasts')?.append(box);
+    setTimeout(() => box.remove(), 12000);
+  }
+  /** Runs something that asks the server; what it refuses is shown, not thrown. */
+  async attempt<T>(work: () => Promise<T>): Promise<T | undefined> {
+    try { return await work(); } catch (problem) {
+      const { message, hint } = problem as { message: string; hint?: string };
+      this.notify(message || text.error, hint);
+      return undefined;
+    }
+  }
+}
+
+const brand = (): HTMLElement => h('a', { class: 'brand', href: '#/' }, h('span', { class: 'mark', 'aria-hidden': 'true' }), text.product);
+
+export function frame(app: App, content: HTMLElement, title: string): void {
+  fill(app.root, [
+    h('a', { class: 'skip', href: '#main' }, 'Skip to content'),
+    h('header', { class: 'banner' }, brand(), h('h1', {}, title), h('p', { class: 'notice' }, text.notice)),
+    h('div', { class: 'lost', role: 'alert', hidden: !app.lost }, text.lost),
+    content,
+    h('div', { class: 'toasts' }),
+  ]);
+}
+
+export const stepStages: Record<StepName, string[]> = {
+  patient: ['image', 'segment'], anatomy: ['mesh', 'unload', 'supine'], plan: ['surgery'], healing: ['heal'],
+  result: ['upright', 'outcome'], compare: [],
+};
+
+/** The path A-J: where one is, and what is computed. */
+export function path(app: App, current: StepName): { element: HTMLElement; update(): void } {
+  const id = app.summary!.id;
+  const items = (Object.keys(stepStages) as StepName[]).map((name) => {
+    const [title, lead, letters] = text.steps[name];
+    const marks = h('span', { class: 'marks' });
+    const element = h('li', {}, h('a', {
+      href: `#/case/${id}/${name}`, class: name === current ? 'current' : '', 'aria-current': name === current ? 'step' : undefined,
+    }, h('span', { class: 'letters', 'aria-hidden': 'true' }, letters), h('span', { class: 'words' }, h('strong', {}, title), h('small', {}, lead)), marks));
+    return { name, element, marks };
+  });
+  const job = h('div', { class: 'job', 'aria-live': 'polite' });
+  const update = (): void => {
+    for (const { name, marks } of items) {
+      fill(marks, stepStages[name].map((stage) => {
+        const state = app.stageState(stage);
+        return h('i', { class: `dot ${state}`, title: `${stage}: ${text.stageWord[state]}` });
+      }));
+    }
+    fill(job, [progressCard(app)]);
+  };
+  update();
+  return {
+    element: h('nav', { class: 'path', 'aria-label': 'Steps' },
+      h('div', { class: 'path-case' }, h('a', { href: '#/' }, `← ${text.cases.title}`), h('strong', {}, id),
+        h('small', {}, app.summary!.plan_name || (app.summary!.side ? text.side[app.summary!.side] : text.cases.noPlan))),
+      h('ol', {}, ...items.map((i) => i.element)), job),
+    update,
+  };
+}

@@ -1,0 +1,88 @@
+// Up to four plans of one patient: one camera, one scale, the numbers beside each other.
+import { api, type CaseSummary } from '../api';
+import type { App, StepView } from '../app';
+import { choice, fill, h } from '../dom';
+import { planName } from '../outcome/panel';
+import { rowsOf } from '../outcome/rows';
+import { text } from '../text';
+import { viewBar } from '../view/bar';
+import type { Body } from '../view/body';
+import { divergingAt, viridisAt } from '../view/colours';
+import { at, distances } from '../view/pose';
+import { colourBar, niceTop } from '../view/scale';
+
+const t = text.compare;
+type Show = 'after' | 'change' | 'difference';
+const most = 4;
+
+export async function compareStep(app: App): Promise<StepView> {
+  const panel = h('div', { class: 'panel' }), scale = h('div', { class: 'scale' }), numbers = h('div', { class: 'compare-numbers' });
+  const own = app.summary!;
+  const all = (await api.cases()).filter((c) => !c.broken && c.patient === own.patient && c.outcome);
+  let chosen = all.filter((c) => c.id === own.id).concat(all.filter((c) => c.id !== own.id)).slice(0, 2).map((c) => c.id);
+  let show: Show = 'after';
+  const bodies = new Map<string, Body>();
+
+  const draw = async (): Promise<void> => {
+    const members = chosen.map((id) => all.find((c) => c.id === id)!).filter(Boolean);
+    fill(numbers, [members.length ? table(members) : null]);
+    if (!app.viewer) return;
+    for (const m of members) {
+      const body = bodies.get(m.id) ?? (await app.bodyOf(m));
+      if (body) bodies.set(m.id, body);
+    }
+    const shown = members.filter((m) => bodies.get(m.id)?.has('after'));
+    fill(scale, []);
+    paint(shown.map((m) => bodies.get(m.id)!), show, scale);
+    app.viewer.setPanes(shown.map((m) => ({ title: planName(m), bodies: [bodies.get(m.id)!] })));
+  };
+  const boxes = h('fieldset', { class: 'checks' }, h('legend', {}, t.choose), ...all.map((c) => {
+    const input = h('input', {
+      type: 'checkbox', checked: chosen.includes(c.id), onchange: () => {
+        if (input.checked && chosen.length >= most) { input.checked = false; app.notify(t.full); return; }
+        chosen = input.checked ? [...chosen, c.id] : chosen.filter((id) => id !== c.id);
+        void draw();
+      },
+    });
+    return h('label', { class: 'check' }, input, planName(c));
+  }));
+  fill(panel, [h('h2', {}, text.steps.compare[0]), h('p', {}, t.lead), all.length < 2 ? h('p', { class: 'quiet' }, t.none) : null, boxes,
+    choice(t.show, Object.entries(t.shows) as [Show, string][], show, (v) => { show = v; void draw(); }).element, scale, numbers]);
+  await draw();
+  app.viewer?.frame();
+  return { panel, tools: app.viewer ? h('div', { class: 'tools' }, viewBar(app.viewer)) : undefined };
+}
+
+function paint(bodies: Body[], show: Show, scale: HTMLElement): void {
+  for (const body of bodies) {
+    body.showPlan(null);
+    body.showSurgery({ tumour: false, excision: false, seeThrough: false });
+    body.setPose(at('after'));
+    body.showArrows(null);
+    body.paint(null, () => [0, 0, 0]);
+  }
+  if (show === 'after' || bodies.length === 0) return;
+  const moved = bodies.map((b) => distances(b.bundle.f32('points.before'), b.bundle.f32('points.after')));
+  if (show === 'change') {
+    const top = niceTop(Math.max(...moved.map((m) => m.reduce((a, b) => Math.max(a, b), 0))));
+    bodies.forEach((b, i) => b.paint(moved[i], (v) => viridisAt(v / top)));
+    fill(scale, [colourBar(`${text.result.moved} [mm]`, '0', String(top), viridisAt)]);
+    return;
+  }
+  // Vertex by vertex only where both plans have the same mesh, which is the usual case.
+  const same = bodies.map((b) => moved[bodies.indexOf(b)].length === moved[0].length);
+  const differences = moved.map((m, i) => (same[i] ? m.map((v, k) => v - moved[0][k]) : null));
+  const top = niceTop(Math.max(0.1, ...differences.map((d) => (d ? d.reduce((a, b) => Math.max(a, Math.abs(b)), 0) : 0))));
+  bodies.forEach((b, i) => b.paint(differences[i], (v) => divergingAt(v / top)));
+  fill(scale, [colourBar(`${t.shows.difference}: ${text.result.moved} [mm]`, `−${top}`, `+${top}`, (x) => divergingAt(2 * x - 1))]);
+}
+
+function table(members: CaseSummary[]): HTMLElement {
+  const rows = members.map((m) => rowsOf(m.outcome!));
+  return h('table', { class: 'measures' },
+    h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.measure), ...members.map((m) => h('th', { scope: 'col' }, planName(m))))),
+    h('tbody', {}, ...rows[0].map((r) => h('tr', {}, h('th', { scope: 'row' }, r.label), ...rows.map((of) => {
+      const cell = of.find((x) => x.label === r.label);
+      return h('td', { class: cell?.noise ? 'noise' : '' }, cell?.value ?? '–');
+    })))));
+}
