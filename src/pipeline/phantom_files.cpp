@@ -29,12 +29,6 @@ json half_volumes(const phantom::Phantom& p, std::span<const Vec3> points) {
           {"L", {{"model", half[1]}, {"fibroglandular", fibroglandular[1]}}}};
 }
 
-void write_truth_skin(const phantom::Phantom& p, std::span<const Vec3> points,
-                      const fs::path& file) {
-  io::write_vtp(extract_surface(p.mesh, points, {"skin"}).mesh, {}, file,
-                io::LengthUnit::Millimetre);
-}
-
 /// The case's skin over both breasts, from cells that belong to a breast.
 TriMesh breast_skin(const meshing::BreastModel& model, std::span<const Vec3> pose) {
   std::vector<bool> used(model.mesh.points.size(), false);
@@ -69,10 +63,12 @@ std::string write_phantom(const phantom::Phantom& p, const phantom::Options& opt
   io::Fields fields;
   fields.cell.push_back(io::scalar_field("fibroglandular_fraction", p.fibroglandular));
   io::write_vtu(p.mesh, p.mesh.points, fields, truth / "unloaded.vtu", io::LengthUnit::Millimetre);
-  write_truth_skin(p, p.mesh.points, truth / "unloaded_skin.vtp");
-  write_truth_skin(p, p.prone, truth / "prone_skin.vtp");
-  write_truth_skin(p, p.supine, truth / "supine_skin.vtp");
-  write_truth_skin(p, p.upright, truth / "upright_skin.vtp");
+  for (const auto& [name, skin] : {std::pair{"unloaded", &p.skin.unloaded},
+                                   {"prone", &p.skin.prone},
+                                   {"supine", &p.skin.supine},
+                                   {"upright", &p.skin.upright}}) {
+    io::write_vtp(*skin, {}, truth / fmt::format("{}_skin.vtp", name), io::LengthUnit::Millimetre);
+  }
   static const std::array density{"fatty", "scattered", "heterogeneous", "dense"};
   const json j{{"seed", options.seed},
                {"volume_cm3", options.volume_cm3},
