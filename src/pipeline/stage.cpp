@@ -47,7 +47,7 @@ const std::array<StageInfo, 9>& all_stages() {
        "90-outcome",
        "I-J",
        "outcome",
-       1,
+       2,
        {Segment, Mesh, Unload, Supine, Surgery, Heal, Upright},
        {"outcome."},
        false},
