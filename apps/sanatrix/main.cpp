@@ -70,7 +70,7 @@ int run(int argc, char** argv) {
   Command chosen;
   for (const auto add :
        {add_phantom, add_new, add_run, add_status, add_report, add_compare, add_serve, add_solve,
-        add_export, add_verify, add_params, add_score, add_version}) {
+        add_export, add_sweep, add_verify, add_params, add_score, add_version}) {
     add(app, common, chosen);
   }
   try {

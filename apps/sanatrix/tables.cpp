@@ -71,7 +71,7 @@ std::string outcome_text(const json& o) {
       "breast volume            L {:.0f} cm3, R {:.0f} cm3\n"
       "excised                  {:.1f} cm3 ({:.1f} % of the breast)\n"
       "operated region, final   {:.3f} of its volume\n"
-      "skin moves (upright)     max {:.1f} mm, mean {:.2f} mm\n"
+      "skin moves (upright)     max {:.1f} mm, mean {:.2f} mm (mesh error about {:.1f} %)\n"
       "smallest det F           {:.3f}\n"
       "mesh                     {} vertices, {} cells\n",
       o.at("operated_side") == "L" ? "patient's LEFT" : "patient's RIGHT",
@@ -79,8 +79,8 @@ std::string outcome_text(const json& o) {
       o.at("breast_volume_cm3").at("R").get<double>(), number("excised_cm3"),
       number("excised_percent"), number("wound_volume_ratio_final"),
       number("max_displacement_upright_mm"), number("mean_displacement_upright_mm"),
-      number("min_jacobian"), o.at("mesh").at("vertices").get<int>(),
-      o.at("mesh").at("cells").get<int>());
+      100.0 * o.at("discretisation_error").at("relative").get<double>(), number("min_jacobian"),
+      o.at("mesh").at("vertices").get<int>(), o.at("mesh").at("cells").get<int>());
   double total = 0.0;
   text += "seconds                 ";
   for (const pipeline::StageInfo& stage : pipeline::all_stages()) {

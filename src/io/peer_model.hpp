@@ -18,9 +18,11 @@ struct PeerMaterial {
 
 /// Veronda-Westmann membrane on a boundary. [Pa, m, kg/m3]
 struct PeerMembrane {
-  std::string name;
+  std::string name;      ///< as a material's
+  std::string boundary;  ///< of the mesh; empty when it covers only a part of one
   double alpha, beta, c2, thickness, density;
-  std::vector<std::array<int, 3>> faces;  ///< vertices
+  bool tension_field;                       ///< bears no compression in Sanatrix
+  std::vector<std::array<int, 3>> faces{};  ///< vertices
 };
 
 struct PeerModel {

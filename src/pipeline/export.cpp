@@ -74,21 +74,37 @@ void add_materials(const std::vector<mechanics::Tissue>& tissue, io::PeerModel& 
   }
 }
 
+/// The boundary that consists of exactly these faces, or "".
+std::string boundary_with(const TetMesh& mesh, std::size_t faces, const std::array<int, 3>& one) {
+  for (std::size_t b = 0; b < mesh.boundary_names.size(); ++b) {
+    const auto named = [&](const BoundaryFace& face) {
+      return face.name == static_cast<int>(b);
+    };
+    if (static_cast<std::size_t>(std::ranges::count_if(mesh.faces, named)) == faces &&
+        std::ranges::any_of(mesh.faces, [&](const BoundaryFace& face) {
+          return named(face) && face.vertex == one;
+        })) {
+      return mesh.boundary_names[b];
+    }
+  }
+  return "";
+}
+
 void add_skin(const mechanics::Body& body, io::PeerModel& model) {
   for (std::size_t s = 0; s < body.skins.size(); ++s) {
     const mechanics::Skin& skin = body.skins[s];
-    io::PeerMembrane membrane{body.skins.size() == 1 ? "skin" : fmt::format("skin_{}", s),
-                              skin.alpha,
-                              skin.beta,
-                              skin.c2,
-                              skin.thickness,
-                              skin.density,
-                              {}};
+    io::PeerMembrane membrane{
+        "", "", skin.alpha, skin.beta, skin.c2, skin.thickness, skin.density, skin.tension_field};
     for (const auto& face : body.skin_faces) {
       if (face.law == static_cast<int>(s)) {
         membrane.faces.push_back(face.vertex);
       }
     }
+    if (membrane.faces.empty()) {
+      continue;
+    }
+    membrane.boundary = boundary_with(model.mesh, membrane.faces.size(), membrane.faces.front());
+    membrane.name = fmt::format("membrane_{}", s);
     model.membranes.push_back(std::move(membrane));
     if (skin.tension_field) {
       model.notes.emplace_back("in Sanatrix the skin bears no compression (tension field)");
@@ -180,9 +196,14 @@ std::string problem_json(const io::PeerModel& model, const std::string& mesh_fil
     }
   }
   for (const io::PeerMembrane& m : model.membranes) {
-    j["skins"][m.name] = {
-        {"law", "veronda_westmann"}, {"alpha", m.alpha},    {"beta", m.beta}, {"c2", m.c2},
-        {"thickness", m.thickness},  {"density", m.density}};
+    ensure(!m.boundary.empty(), "membrane {} is not a whole boundary", m.name);
+    j["skins"][m.boundary] = {{"law", "veronda_westmann"},
+                              {"alpha", m.alpha},
+                              {"beta", m.beta},
+                              {"c2", m.c2},
+                              {"thickness", m.thickness},
+                              {"density", m.density},
+                              {"tension_field", m.tension_field}};
   }
   return j.dump(2) + "\n";
 }

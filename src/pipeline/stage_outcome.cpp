@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/files.hpp"
+#include "outcome/discretisation.hpp"
 #include "outcome/outcome.hpp"
 #include "pipeline/body.hpp"
 #include "pipeline/cosmetics.hpp"
@@ -83,6 +84,27 @@ json collect_seconds(const Case& patient) {
   return seconds;
 }
 
+/// Of the change of shape by surgery and healing, over the operated breast.
+json discretisation_error(const CaseResult& result, const outcome::SkinDisplacement& moved) {
+  const TetMesh& mesh = result.model.mesh;
+  const auto before = result.points(result.before);
+  const auto after = result.points(result.after);
+  std::vector<Vec3> change(before.size());
+  std::ranges::transform(after, before, change.begin(),
+                         [](const Vec3& a, const Vec3& b) { return a - b; });
+  std::vector<bool> used(mesh.cells.size());
+  for (std::size_t c = 0; c < used.size(); ++c) {
+    used[c] = result.model.in_breast[c] && result.model.side[c] == result.side();
+  }
+  const double relative = outcome::relative_displacement_error(mesh, before, change, used);
+  return {{"relative", relative},
+          {"max_displacement_upright_mm", relative * moved.max_mm},
+          {"mean_displacement_upright_mm", relative * moved.mean_mm},
+          {"method",
+           "recovered gradients (Zienkiewicz-Zhu), squared; mesh error of the change of "
+           "shape, without the errors of images, labels and tissue"}};
+}
+
 double min_jacobian(const CaseResult& r) {
   return std::min({r.unloaded.min_jacobian, r.supine.min_jacobian, r.healed.min_jacobian,
                    r.before.min_jacobian, r.after.min_jacobian});
@@ -109,6 +131,7 @@ json outcome_json(const Case& patient, const CaseResult& result, const Volumes& 
          {"wound_volume_ratio_final", result.history.back().volume_ratio},
          {"max_displacement_upright_mm", moved.max_mm},
          {"mean_displacement_upright_mm", moved.mean_mm},
+         {"discretisation_error", discretisation_error(result, moved)},
          {"min_jacobian", min_jacobian(result)},
          {"skin_mass_g", mass_g},
          {"mesh", {{"vertices", mesh.points.size()}, {"cells", mesh.cells.size()}}}};

@@ -58,7 +58,7 @@ const std::vector<Case>& all_cases() {
     std::vector<Case> list;
     for (const auto add : {add_mechanics_mms, add_healing_mms, add_closed_forms, add_cook,
                            add_membrane, add_round_trip, add_waves, add_healthy_tissue, add_spheres,
-                           add_peers, add_paper, add_clinical}) {
+                           add_peers, add_patient, add_paper, add_clinical}) {
       add(list);
     }
     return list;

@@ -15,6 +15,7 @@ void add_waves(std::vector<Case>& cases);           ///< C1, C2
 void add_healthy_tissue(std::vector<Case>& cases);  ///< C3
 void add_spheres(std::vector<Case>& cases);         ///< C4, C11
 void add_peers(std::vector<Case>& cases);           ///< the shared hemisphere
+void add_patient(std::vector<Case>& cases);         ///< mesh and time convergence of outputs
 void add_paper(std::vector<Case>& cases);           ///< A1-A6
 void add_clinical(std::vector<Case>& cases);        ///< B1
 

@@ -93,17 +93,19 @@ SphereHealing heal_species(const std::string& preset, double radius, int layers,
 }
 
 SphereHealing heal_body(const std::string& preset, double radius, int layers, double days,
-                        const Context& ctx) {
+                        const Context& ctx, mechanics::Element element) {
   const TetMesh mesh = wounded_ball(radius, layers);
   mechanics::Body body;
   body.mesh = &mesh;
+  body.element = element;
   body.fixed = symmetry_supports(mesh);
   body.tissue.assign(mesh.cells.size(), {112.5, 112.5, 5e5, 1000.0, 1.0, 0.0});
   const auto model = healing::make_model(preset);
   recovery::Problem problem;
   problem.body = &body;
-  problem.reference_nodes = mesh.points;
-  problem.start = {mesh.points, {}};
+  const std::vector<Vec3> nodes = mechanics::Solver(body).straight_nodes(mesh.points);
+  problem.reference_nodes = nodes;
+  problem.start = {nodes, {}};
   problem.species_points = mesh.points;
   problem.wound_fraction = wound_of(mesh, radius);
   problem.model = model.get();

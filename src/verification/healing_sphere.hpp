@@ -8,6 +8,7 @@
 #include "core/context.hpp"
 #include "geometry/tet_mesh.hpp"
 #include "healing/reaction_diffusion.hpp"
+#include "mechanics/problem.hpp"
 
 namespace sanatrix::verification {
 
@@ -34,6 +35,6 @@ SphereHealing heal_species(const std::string& preset, double radius, int layers,
                            const Context& ctx);
 /// Species and mechanics, as `recovery` couples them.
 SphereHealing heal_body(const std::string& preset, double radius, int layers, double days,
-                        const Context& ctx);
+                        const Context& ctx, mechanics::Element element = mechanics::Element::P1P1);
 
 }  // namespace sanatrix::verification

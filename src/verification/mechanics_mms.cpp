@@ -11,6 +11,7 @@
 #include "mechanics/mooney_rivlin.hpp"
 #include "mechanics/problem.hpp"
 #include "mechanics/shape_functions.hpp"
+#include "outcome/discretisation.hpp"
 #include "verification/cases.hpp"
 
 namespace sanatrix::verification {
@@ -105,6 +106,7 @@ struct Errors {
   double h;                       // [m]
   double displacement, gradient;  // L2 of u and of F, relative
   double pressure;                // L2, relative
+  double estimated;               // relative error of the displacement, from the solution alone
 };
 
 /// L2 norms with a rule of degree 5, so that the quadrature does not hide the error.
@@ -149,7 +151,7 @@ Errors integrate_errors(const TetMesh& mesh,
     }
   }
   return {0.0, std::sqrt(error[0] / size[0]), std::sqrt(error[1] / size[1]),
-          std::sqrt(error[2] / size[2])};
+          std::sqrt(error[2] / size[2]), 0.0};
 }
 
 template <std::size_t Nodes>
@@ -185,6 +187,12 @@ Errors solve(int n, Element element, const Context& ctx) {
                  ? integrate_errors<4>(mesh, cell_nodes<4>(mesh), rest, shape)
                  : integrate_errors<10>(mesh, cell_nodes<10>(mesh), rest, shape);
   e.h = edge / n;
+  std::vector<Vec3> moved(mesh.points.size());
+  for (std::size_t v = 0; v < moved.size(); ++v) {
+    moved[v] = shape.nodes[v] - mesh.points[v];
+  }
+  e.estimated = outcome::relative_displacement_error(mesh, mesh.points, moved,
+                                                     std::vector<bool>(mesh.cells.size(), true));
   return e;
 }
 
@@ -235,9 +243,26 @@ Findings convergence(Element element, const std::vector<int>& meshes,
   return found;
 }
 
+/// The estimate that `outcome.json` carries, where the true error is known.
+Findings estimator(const Context& ctx) {
+  Findings found;
+  Table table{"", {"boxes per edge", "true relative error", "estimated", "ratio"}, {}};
+  for (const int n : {4, 8, 12}) {
+    const Errors e = solve(n, Element::P1P1, ctx);
+    const double ratio = e.estimated / e.displacement;
+    table.rows.push_back({fmt::format("{}", n), fmt::format("{:.3e}", e.displacement),
+                          fmt::format("{:.3e}", e.estimated), fmt::format("{:.2f}", ratio)});
+    found.checks.push_back(within(fmt::format("estimated / true error, {} boxes per edge", n), 0.5,
+                                  2.0, ratio, "", "an estimate of the size, not a bound"));
+  }
+  found.tables.push_back(std::move(table));
+  return found;
+}
+
 constexpr auto about =
     "A block of 40 mm takes a smooth deformation with shears of up to one half "
-    "(amplitude 0.16 pi); the body force and one face's traction are computed from the law by exact derivatives, "
+    "(amplitude 0.16 pi); the body force and one face's traction are computed from the law by "
+    "exact derivatives, "
     "the other faces are held at their exact places; kappa/mu = 500, pressures of half mu. "
     "Errors of displacement, deformation gradient and pressure on distorted meshes. ";
 
@@ -263,6 +288,12 @@ void add_mechanics_mms(std::vector<Case>& cases) {
                    [=](const Context& ctx) {
                      return convergence(Element::P2P1, {4, 6, 8, 12}, quadratic, ctx);
                    }});
+  cases.push_back({"error-estimate", "The discretisation error in outcome.json",
+                   Chapter::CalculationVerification, Cost::Fast,
+                   "The error that is estimated from a solution alone (recovered gradients, "
+                   "docs/theory/discretisation-error.md) against the true one of the manufactured "
+                   "solution, P1/P1.",
+                   estimator});
 }
 
 }  // namespace sanatrix::verification
