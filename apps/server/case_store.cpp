@@ -1,6 +1,7 @@
 #include "case_store.hpp"
 
 #include <algorithm>
+#include <chrono>
 
 #include <nlohmann/json.hpp>
 
@@ -61,6 +62,18 @@ std::string stamp_of(const pipeline::Case& patient) {
   return stamp;
 }
 
+/// What nobody made a case of within a week.
+void forget_old_uploads(const fs::path& folder) {
+  using namespace std::chrono_literals;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    std::error_code none;
+    const auto age = fs::file_time_type::clock::now() - fs::last_write_time(entry.path(), none);
+    if (!none && age > 7 * 24h) {
+      fs::remove_all(entry.path(), none);
+    }
+  }
+}
+
 }  // namespace
 
 CaseStore::CaseStore(fs::path root) : root_(fs::absolute(std::move(root)).lexically_normal()) {
@@ -73,6 +86,7 @@ CaseStore::CaseStore(fs::path root) : root_(fs::absolute(std::move(root)).lexica
                 "give a folder you may write to with --cases");
   }
   fs::permissions(own_folder(), fs::perms::owner_all, problem);
+  forget_old_uploads(own_folder() / "uploads");
 }
 
 fs::path CaseStore::folder(const std::string& id) const {

@@ -76,7 +76,19 @@ std::vector<std::string> Planner::routes() const {
 }
 
 std::optional<Response> Planner::refuse(const Request& head) {
-  return guard_->refuse(head);
+  if (auto refusal = guard_->refuse(head)) {
+    return refusal;
+  }
+  // A full disk would fail the computation in the middle; better say it before.
+  constexpr std::uintmax_t reserve = 1ULL << 30U;
+  std::error_code none;
+  if (head.path == "/api/uploads" && fs::space(cases_.root(), none).available < reserve) {
+    return json_answer({{"fault", "server"},
+                        {"what", "less than 1 GB is free on the disk of the cases"},
+                        {"hint", "delete cases that are not needed any more"}},
+                       507);
+  }
+  return std::nullopt;
 }
 
 std::optional<fs::path> Planner::upload_target(const Request& head) {

@@ -21,6 +21,11 @@ let shown: { update(): void; close?(): void; key?(e: KeyboardEvent): boolean } |
 let turn = 0;
 
 async function showCase(id: string, step: StepName, mine: number): Promise<void> {
+  const stamp = (): string => {
+    const job = app.jobOf(id);
+    return job ? `${job.id}${job.state}${job.progress.finished.length}` : '';
+  };
+  let seen = stamp(); // before asking: what finishes while we draw is not missed
   const summary = await api.case(id);
   if (mine !== turn) return;
   app.summary = summary;
@@ -34,7 +39,6 @@ async function showCase(id: string, step: StepName, mine: number): Promise<void>
   const scene = view.stage ?? app.viewer?.element ?? (await noWebgl(app));
   fill(middle, [scene, view.tools]);
   app.viewer?.draw();
-  let seen = stamp();
   shown = {
     key: view.key, close: view.close,
     update(): void {
@@ -52,10 +56,7 @@ async function showCase(id: string, step: StepName, mine: number): Promise<void>
       });
     },
   };
-  function stamp(): string {
-    const job = app.jobOf(id);
-    return job ? `${job.id}${job.state}${job.progress.finished.length}` : '';
-  }
+  shown.update();
 }
 
 async function show(): Promise<void> {
