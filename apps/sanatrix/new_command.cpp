@@ -11,7 +11,7 @@ namespace sanatrix::app {
 namespace {
 
 struct Arguments {
-  std::string folder, labels, image, plan;
+  std::string folder, labels, image, plan, tumour;
   std::string preset = "sanatrix";
   int series = 0;
 };
@@ -38,7 +38,8 @@ int make(const Arguments& given, const Common& common) {
                                  .label_preset = given.preset,
                                  .image = path_of(given.image),
                                  .series = given.series,
-                                 .plan = path_of(given.plan)};
+                                 .plan = path_of(given.plan),
+                                 .tumour = path_of(given.tumour)};
   const pipeline::Case made = pipeline::create_case(given.folder, inputs);
   if (common.json) {
     nlohmann::json j{{"case", made.pseudonym},
@@ -79,6 +80,8 @@ void add_new(CLI::App& app, Common& common, Command& chosen) {
   command->add_option("--labels-preset", given->preset, "label table: sanatrix or pelicano")
       ->capture_default_str();
   command->add_option("--plan", given->plan, "surgical plan (JSON)");
+  command->add_option("--tumour", given->tumour,
+                      "where the tumour is: Slicer markups (.mrk.json); default: as the plan says");
   add_json(*command, common);
   command->callback([given, &common, &chosen] {
     chosen = [=, &common] {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <cstdlib>
 
 #include "core/error.hpp"
 #include "imaging/body_mask.hpp"
@@ -19,6 +18,7 @@ constexpr double skin_mm = 2.0;        ///< thickness; Huang et al., doi:10.1118
 /// Half way between air and skin, relative to fat: skin has about a third of fat's signal.
 constexpr float skin_edge = 0.17F;
 constexpr double local_mm = 7.0;       ///< over which the rest of the shading is followed
+constexpr double surroundings_mm = 1.2;
 constexpr double muscle_mm = 12.0;     ///< behind the fascia; pectorals and ribs
 constexpr float lung_signal = 0.10F;   ///< relative to fat
 
@@ -205,6 +205,21 @@ Label behind_wall(double depth_mm, float relative) {
   return depth_mm < muscle_mm ? Label::Muscle : Label::Organ;
 }
 
+/// Fibroglandular or adipose: by the share of the voxel and of what is around it, since gland comes
+/// in strands and lobes and noise in single voxels.
+void harden(const GlandularModel& model, TissueGrid& grid) {
+  Image3<float> around = grid.fibroglandular;
+  smooth(around, surroundings_mm);
+  for (std::size_t v = 0; v < around.voxels.size(); ++v) {
+    unsigned char& label = grid.labels.voxels[v];
+    const double share =
+        0.5 * static_cast<double>(grid.fibroglandular.voxels[v] + around.voxels[v]);
+    if (label == static_cast<unsigned char>(Label::Adipose) && share > model.hard_share) {
+      label = static_cast<unsigned char>(Label::Fibroglandular);
+    }
+  }
+}
+
 }  // namespace
 
 AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
@@ -213,7 +228,7 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
   ctx.at(0.7, "fibroglandular tissue");
   const Vec3 first = offset_mm(ordered, coarse.local);
   const Image3<float> signal = fat_signal_on(coarse.field, ordered, first);
-  const Image3<float> smoothed = in_plane_smoothed(ordered, std::getenv("SIG") ? atof(getenv("SIG")) : 0.5);
+  const Image3<float> smoothed = in_plane_smoothed(ordered, 0.5);
   const Mask body = body_mask(smoothed, edge_of_skin(signal, coarse.air));
   const Image3<float> outside = signed_distance(body, {true, true, true}, 6.0);
   AutomaticLabels found;
@@ -243,12 +258,12 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
           const float share =
               glandular_share(coarse.gland, relative / coarse.local.voxels[n.voxel[0]]);
           found.grid.fibroglandular.voxels[v] = share;
-          label = share > 0.5F ? Label::Fibroglandular : Label::Adipose;
         }
         found.grid.labels.voxels[v] = static_cast<unsigned char>(label);
       }
     }
   }
+  harden(coarse.gland, found.grid);
   found.wall = std::move(coarse.wall);
   found.gland = coarse.gland;
   found.noise = coarse.air.deviation;

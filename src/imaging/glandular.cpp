@@ -24,6 +24,7 @@ std::array<double, bins> histogram(const Image3<float>& relative, const Mask& wh
 
 constexpr double least_gland_signal = 0.2;  ///< darker is muscle, vessel or artefact
 constexpr double strand_quantile = 0.03;
+constexpr double solid_share = 0.56, strand_share = 0.32;
 
 std::array<double, bins> smoothed(const std::array<double, bins>& count) {
   std::array<double, bins> result{};
@@ -87,7 +88,9 @@ GlandularModel fit_glandular_model(const Image3<float>& relative, const Mask& wh
   const std::size_t valley = lowest(count, centre(second), model.fat_signal);
   if (count[second] > 1.3 * count[valley] && tail > 0.05 * total) {
     model.gland_signal = centre(second);
+    model.hard_share = solid_share;
   } else {
+    model.hard_share = strand_share;
     double below = 0.0;
     std::size_t b = static_cast<std::size_t>(least_gland_signal / bin_width);
     while (b + 1 < bins && below < strand_quantile * tail) {

@@ -13,6 +13,7 @@
 #include "imaging/segmentation.hpp"
 #include "io/image_file.hpp"
 #include "pipeline/intake.hpp"
+#include "pipeline/tumour.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -106,6 +107,18 @@ Case case_from(const json& j, const fs::path& folder) {
   return patient;
 }
 
+/// Labels hold their tumour; to an image it must be told.
+std::optional<imaging::TumourSphere> tumour_of(const NewCase& given) {
+  if (given.tumour) {
+    return read_tumour(*given.tumour);
+  }
+  const bool prone_plan =
+      given.plan &&
+      surgery::read_plan(read_text(*given.plan), given.plan->filename()).frame ==
+          surgery::Frame::Prone;
+  return prone_plan && !given.labels ? std::optional(read_tumour(*given.plan)) : std::nullopt;
+}
+
 void check_plan(const fs::path& file) {
   surgery::read_plan(read_text(file), file.filename());
 }
@@ -147,6 +160,7 @@ Case create_case(const fs::path& folder, const NewCase& given) {
   if (given.plan) {
     check_plan(*given.plan);
   }
+  const std::optional<imaging::TumourSphere> tumour = tumour_of(given);
   const fs::path place = fs::absolute(folder).lexically_normal();
   const fs::path final = place.filename().empty() ? place.parent_path() : place;
   const fs::path aside = final.parent_path() / fmt::format(".{}.new", final.filename().string());
@@ -169,6 +183,11 @@ Case create_case(const fs::path& folder, const NewCase& given) {
     }
     if (given.plan) {
       replace_plan(patient, *given.plan);
+    }
+    if (tumour) {
+      patient.inputs["tumour"] = take_in(aside, "tumour.json", [&](const fs::path& to) {
+        write_text(to, tumour_text(*tumour));
+      });
     }
   } catch (...) {
     fs::remove_all(aside, problem);

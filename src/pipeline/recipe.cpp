@@ -57,6 +57,7 @@ Recipe recipe(const Case& patient, Stage stage) {
     }
   } else if (stage == Stage::Segment) {
     made.entries["label preset"] = patient.label_preset;
+    add_input("tumour");
   } else if (stage == Stage::Mesh && patient.focus) {
     made.entries["focus"] = describe(*patient.focus);
   } else if (stage == Stage::Surgery) {
