@@ -40,3 +40,8 @@ target_link_libraries(Vtk INTERFACE ${VTK_LIBRARIES})
 find_library(GMSH_LIBRARY gmsh REQUIRED)
 add_library(Gmsh INTERFACE)
 target_link_libraries(Gmsh INTERFACE ${GMSH_LIBRARY})
+
+# DCMTK's own list has all of its modules (network, signatures); reading needs these.
+find_package(DCMTK REQUIRED CONFIG)
+add_library(Dicom INTERFACE)
+target_link_libraries(Dicom INTERFACE DCMTK::dcmdata DCMTK::dcmjpeg DCMTK::dcmjpls)

@@ -36,6 +36,7 @@ void add_report(CLI::App& app, Common& common, Command& chosen);
 void add_compare(CLI::App& app, Common& common, Command& chosen);
 void add_phantom(CLI::App& app, Common& common, Command& chosen);
 void add_new(CLI::App& app, Common& common, Command& chosen);
+void add_inspect(CLI::App& app, Common& common, Command& chosen);
 void add_run(CLI::App& app, Common& common, Command& chosen);
 void add_status(CLI::App& app, Common& common, Command& chosen);
 void add_solve(CLI::App& app, Common& common, Command& chosen);

@@ -1,39 +1,60 @@
-// sanatrix new CASE: makes a case folder from labels.
+// sanatrix new CASE: makes a case folder from an image or from labels.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "core/error.hpp"
+#include "core/files.hpp"
 #include "pipeline/case.hpp"
 
 namespace sanatrix::app {
 namespace {
 
 struct Arguments {
-  std::string folder, labels, image, plan;
+  std::string folder, labels, image, plan, tumour;
   std::string preset = "sanatrix";
   ScanOptions scans;
+  int series = 0;
 };
 
+std::optional<std::filesystem::path> path_of(const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
+}
+
+/// What was noticed while the image was read.
+nlohmann::json warnings_of(const pipeline::Case& made) {
+  if (!made.inputs.contains("image_facts")) {
+    return nlohmann::json::array();
+  }
+  const auto facts = nlohmann::json::parse(read_text(made.input("image_facts")));
+  return facts.value("warnings", nlohmann::json::array());
+}
+
 int make(const Arguments& given, const Common& common) {
-  pipeline::NewCase inputs{.labels = given.labels,
-                           .label_preset = given.preset,
-                           .image = {},
-                           .plan = {},
-                           .scans = given.scans.given()};
-  if (!given.image.empty()) {
-    inputs.image = given.image;
+  if (given.labels.empty() && given.image.empty()) {
+    throw Error(Fault::Usage, "new needs --image or --labels",
+                "for example: sanatrix new out/case --image dicom-folder --plan plan.json");
   }
-  if (!given.plan.empty()) {
-    inputs.plan = given.plan;
-  }
+  const pipeline::NewCase inputs{.labels = path_of(given.labels),
+                                 .label_preset = given.preset,
+                                 .image = path_of(given.image),
+                                 .series = given.series,
+                                 .plan = path_of(given.plan),
+                                 .tumour = path_of(given.tumour),
+                                 .scans = given.scans.given()};
   const pipeline::Case made = pipeline::create_case(given.folder, inputs);
   if (common.json) {
-    nlohmann::json j{{"case", made.pseudonym}, {"inputs", nlohmann::json::object()}};
+    nlohmann::json j{{"case", made.pseudonym},
+                     {"inputs", nlohmann::json::object()},
+                     {"warnings", warnings_of(made)}};
     for (const auto& [name, input] : made.inputs) {
       j["inputs"][name] = input.sha256;
     }
     fmt::print("{}\n", j.dump(2));
   } else {
+    for (const auto& warning : warnings_of(made)) {
+      fmt::print(stderr, "warning: {}\n", warning.get<std::string>());
+    }
     fmt::print("created {} ({}); next: sanatrix run {}\n", given.folder, made.pseudonym,
                given.folder);
   }
@@ -46,16 +67,24 @@ void add_new(CLI::App& app, Common& common, Command& chosen) {
   auto given = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "new",
-      "Example: sanatrix new out/case --labels labels.nii.gz --plan plan.json\n\n"
-      "Creates a case folder from a labelled prone MRI (docs/user/labels.md, plan.md).");
+      "Examples: sanatrix new out/case --image dicom-folder --plan plan.json\n"
+      "          sanatrix new out/case --labels labels.nii.gz --plan plan.json\n\n"
+      "Creates a case folder from a prone breast MRI (docs/user/images.md, labels.md, plan.md).\n"
+      "Nothing that identifies the patient is taken in.");
   command->add_option("CASE", given->folder, "folder to create")->required();
-  command->add_option("--labels", given->labels, "label volume: .nii.gz, .nii, .nrrd, .mha")
-      ->required();
-  command->add_option("--image", given->image, "greyscale image of the same frame");
+  command->add_option("--labels", given->labels, "label volume instead of the automatic segmentation: .nii.gz, .nii, .nrrd, .mha");
+  command->add_option("--image", given->image,
+                      "prone MRI: DICOM folder, .nii.gz, .nii, .nrrd or .mha");
+  command
+      ->add_option("--series", given->series,
+                   "which series of the DICOM folder (number of `sanatrix inspect`)")
+      ->check(CLI::Range(1, 100000));
   command->add_option("--labels-preset", given->preset, "label table: sanatrix or pelicano")
       ->capture_default_str();
   command->add_option("--plan", given->plan, "surgical plan (JSON)");
   given->scans.add_to(*command);
+  command->add_option("--tumour", given->tumour,
+                      "where the tumour is: Slicer markups (.mrk.json); default: as the plan says");
   add_json(*command, common);
   command->callback([given, &common, &chosen] {
     chosen = [=, &common] {

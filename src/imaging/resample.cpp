@@ -129,7 +129,12 @@ float soft_fraction(const TissueGrid& source, const Neighbourhood& n) {
 
 TissueGrid resample_to_lps(const LabelImage& image, const LabelTable& table, double spacing_mm,
                            const Context& ctx) {
-  const TissueGrid source = merge_fine_voxels(image, table, spacing_mm);
+  return resample_to_lps(merge_fine_voxels(image, table, spacing_mm), table.skin_limit_mm,
+                         spacing_mm, ctx);
+}
+
+TissueGrid resample_to_lps(const TissueGrid& source, double skin_limit_mm, double spacing_mm,
+                           const Context& ctx) {
   ctx.at(0.2, "distances to skin and chest wall");
   // Wide enough for a skin that recedes 10 mm from one thick slice to the next.
   constexpr double limit_mm = 10.0;
@@ -140,7 +145,7 @@ TissueGrid resample_to_lps(const LabelImage& image, const LabelTable& table, dou
   const Image3<float> off_wall = signed_distance(mask_of(source.labels, is_wall), axes, limit_mm);
 
   ctx.at(0.6, "resampling to LPS");
-  TissueGrid result{.labels = lps_grid(image, spacing_mm), .fibroglandular = {}};
+  TissueGrid result{.labels = lps_grid(source.labels, spacing_mm), .fibroglandular = {}};
   result.fibroglandular = image_like<float>(result.labels);
   std::size_t out = 0;
   for (int k = 0; k < result.labels.size[2]; ++k) {
@@ -164,8 +169,8 @@ TissueGrid resample_to_lps(const LabelImage& image, const LabelTable& table, dou
           continue;
         }
         label = vote(source.labels, n, is_soft, Label::Adipose);
-        if (label == static_cast<unsigned char>(Label::Skin) && table.skin_limit_mm > 0.0 &&
-            skin < -table.skin_limit_mm) {
+        if (label == static_cast<unsigned char>(Label::Skin) && skin_limit_mm > 0.0 &&
+            skin < -skin_limit_mm) {
           label = static_cast<unsigned char>(Label::Adipose);
         }
         result.fibroglandular.voxels[out] = soft_fraction(source, n);

@@ -16,5 +16,8 @@ struct TissueGrid {
 /// slices leave no stairs; tissues inside come from votes of the neighbouring voxels.
 TissueGrid resample_to_lps(const LabelImage& source, const LabelTable& table, double spacing_mm,
                            const Context& ctx);
+/// The same for labels of the sanatrix table with their shares. `skin_limit_mm`: as in LabelTable.
+TissueGrid resample_to_lps(const TissueGrid& source, double skin_limit_mm, double spacing_mm,
+                           const Context& ctx);
 
 }  // namespace sanatrix::imaging

@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "geometry/image_filters.hpp"
+#include "imaging/automatic.hpp"
 #include "imaging/landmarks.hpp"
 #include "imaging/presets.hpp"
 #include "imaging/resample.hpp"
@@ -14,15 +15,19 @@
 namespace sanatrix::imaging {
 namespace {
 
-void check_grid(const LabelImage& image, double spacing_mm) {
+constexpr double most_slice_gap_mm = 12.0;  ///< of images; the import warns above 6
+
+template <class T>
+void check_grid(const Image3<T>& image, double spacing_mm, double most_mm = 6.0) {
   require(spacing_mm >= 0.5 && spacing_mm <= 4.0, "the grid spacing must be 0.5 to 4 mm, not {} mm",
           spacing_mm);
   for (std::size_t a = 0; a < 3; ++a) {
     const double h = image.spacing_mm[a];
-    if (!(h >= 0.2 && h <= 6.0)) {
+    if (!(h >= 0.2 && h <= most_mm)) {
       throw Error(Fault::Input,
-                  fmt::format("voxel spacing {:g} x {:g} x {:g} mm is outside 0.2 to 6 mm",
-                              image.spacing_mm[0], image.spacing_mm[1], image.spacing_mm[2]),
+                  fmt::format("voxel spacing {:g} x {:g} x {:g} mm is outside 0.2 to {:g} mm",
+                              image.spacing_mm[0], image.spacing_mm[1], image.spacing_mm[2],
+                              most_mm),
                   "the file's spacing must be in millimetres; correct its header");
     }
     const double extent = image.size[a] * h;
@@ -193,12 +198,9 @@ void fill_thorax(LabelImage& labels) {
   }
 }
 
-Segmentation segment(const LabelImage& source, const LabelTable& table, double spacing_mm,
-                     const Context& ctx) {
-  check_grid(source, spacing_mm);
-  check_table(source, table);
+/// Checks resampled tissues and finds the landmarks.
+Segmentation finish(TissueGrid grid, const LabelTable& table, const Context& ctx) {
   Segmentation result;
-  TissueGrid grid = resample_to_lps(source, table, spacing_mm, ctx.part(0.2, 0.8));
   check_tissues(grid.labels);
   keep_one_body(grid, result.warnings);
   check_facing(grid.labels);
@@ -226,7 +228,66 @@ Segmentation segment(const LabelImage& source, const LabelTable& table, double s
   return result;
 }
 
+Segmentation segment(const LabelImage& source, const LabelTable& table, double spacing_mm,
+                     const Context& ctx) {
+  check_grid(source, spacing_mm);
+  check_table(source, table);
+  return finish(resample_to_lps(source, table, spacing_mm, ctx.part(0.2, 0.8)), table, ctx);
+}
+
+void paint(const TumourSphere& tumour, LabelImage& labels) {
+  const Vec3 at = labels.continuous_index(tumour.centre_mm);
+  std::array<int, 3> c{};
+  bool inside = true;
+  for (std::size_t a = 0; a < 3; ++a) {
+    c[a] = static_cast<int>(std::lround(at[a]));
+    inside = inside && c[a] >= 0 && c[a] < labels.size[a];
+  }
+  if (!inside || !is_soft(labels.at(c[0], c[1], c[2]))) {
+    throw Error(Fault::Input,
+                fmt::format("the tumour at LPS {:.1f}, {:.1f}, {:.1f} mm does not lie in the soft "
+                            "tissue of the image",
+                            tumour.centre_mm[0], tumour.centre_mm[1], tumour.centre_mm[2]),
+                "check that plan and image are of the same examination and frame of reference");
+  }
+  const int reach = static_cast<int>(std::ceil(tumour.radius_mm / labels.spacing_mm[0]));
+  for (int k = std::max(0, c[2] - reach); k <= std::min(labels.size[2] - 1, c[2] + reach); ++k) {
+    for (int j = std::max(0, c[1] - reach); j <= std::min(labels.size[1] - 1, c[1] + reach); ++j) {
+      for (int i = std::max(0, c[0] - reach); i <= std::min(labels.size[0] - 1, c[0] + reach);
+           ++i) {
+        unsigned char& label = labels.at(i, j, k);
+        if (is_soft(label) && label != static_cast<unsigned char>(Label::Skin) &&
+            norm(labels.position_mm(i, j, k) - tumour.centre_mm) <= tumour.radius_mm) {
+          label = static_cast<unsigned char>(Label::Tumour);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
+
+ImageSegmentation segment_image(const Image3<float>& image, double spacing_mm,
+                                const std::optional<TumourSphere>& tumour, const Context& ctx) {
+  check_grid(image, spacing_mm, most_slice_gap_mm);
+  AutomaticLabels found = label_image(image, ctx.part(0.0, 0.6));
+  ImageSegmentation result;
+  result.quality = assess(found);
+  TissueGrid grid = resample_to_lps(found.grid, 0.0, spacing_mm, ctx.part(0.6, 0.9));
+  result.segmentation = finish(std::move(grid), label_table(LabelPreset::Sanatrix), ctx);
+  if (tumour) {
+    paint(*tumour, result.segmentation.labels);
+  }
+  assess(result.segmentation.labels, result.segmentation.midline_x_mm, result.quality);
+  for (const std::string& doubt : result.quality.doubts) {
+    result.segmentation.warnings.push_back(doubt);
+  }
+  if (!result.quality.defects.empty()) {
+    throw Error(Fault::Input, "not usable because " + result.quality.defects.front(),
+                "look at the images; give labels with --labels if they are right");
+  }
+  return result;
+}
 
 Segmentation segment_given_labels(const std::filesystem::path& file, LabelPreset preset,
                                   double spacing_mm, const Context& ctx) {

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/context.hpp"
 #include "geometry/image.hpp"
+#include "imaging/quality.hpp"
 
 namespace sanatrix::imaging {
 
@@ -32,5 +34,21 @@ struct Segmentation {
 /// breast, anterior/posterior or superior/inferior flipped, left or right breast missing.
 Segmentation segment_given_labels(const std::filesystem::path& file, LabelPreset preset,
                                   double spacing_mm, const Context& ctx);
+
+/// A tumour as a sphere, in the frame of the image.
+struct TumourSphere {
+  Vec3 centre_mm{};
+  double radius_mm = 0.0;
+};
+
+/// The same from a greyscale image: prone, both breasts, T1 or T2 without fat suppression.
+/// Error{Input} "not usable because ..." when the result is not plausible, or the tumour does not
+/// lie in a breast.
+struct ImageSegmentation {
+  Segmentation segmentation;
+  Quality quality;
+};
+ImageSegmentation segment_image(const Image3<float>& image, double spacing_mm,
+                                const std::optional<TumourSphere>& tumour, const Context& ctx);
 
 }  // namespace sanatrix::imaging

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <functional>
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,8 @@
 #include "imaging/segmentation.hpp"
 #include "io/image_file.hpp"
 #include "io/scan_file.hpp"
+#include "pipeline/intake.hpp"
+#include "pipeline/tumour.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -32,21 +35,29 @@ std::string image_extension(const fs::path& file) {
               "give a .nii.gz, .nii, .nrrd or .mha file");
 }
 
-/// Copies a file into the case under a neutral name (the given one may name a person).
-InputFile take_in(const fs::path& from, const fs::path& folder, const std::string& name) {
-  const InputFile input{"inputs/" + name, sha256_of_file(from)};
-  const fs::path to = folder / input.file;
-  write_aside(to, [&](const fs::path& aside) {
-    std::error_code problem;
-    fs::copy_file(from, aside, fs::copy_options::overwrite_existing, problem);
-    if (problem) {
-      throw Error(Fault::Resource,
-                  fmt::format("{}: cannot be written: {}", input.file, problem.message()),
-                  "check the free space and the permissions of the case folder");
-    }
-    fs::permissions(aside, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+/// Writes a file of the case under a neutral name (the given one may name a person), read-only.
+InputFile take_in(const fs::path& folder, const std::string& name,
+                  const std::function<void(const fs::path&)>& write) {
+  const fs::path to = folder / "inputs" / name;
+  write(to);
+  fs::permissions(to, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+  return {"inputs/" + name, sha256_of_file(to)};
+}
+
+/// Labels are written anew: headers of image files may name a person too.
+InputFile take_in_labels(const fs::path& file, const fs::path& folder) {
+  const LabelImage labels = io::read_labels(file);
+  return take_in(folder, "labels" + image_extension(file),
+                 [&](const fs::path& to) { io::write_labels(labels, to); });
+}
+
+void take_in_image(const GivenImage& given, Case& patient) {
+  patient.inputs["image"] = take_in(patient.folder, "image.nrrd", [&](const fs::path& to) {
+    io::write_image(given.image, to);
   });
-  return input;
+  patient.inputs["image_facts"] =
+      take_in(patient.folder, "image.json",
+              [&](const fs::path& to) { write_text(to, given.facts); });
 }
 
 json to_json(const Vec3& v) {
@@ -97,6 +108,18 @@ Case case_from(const json& j, const fs::path& folder) {
   return patient;
 }
 
+/// Labels hold their tumour; to an image it must be told.
+std::optional<imaging::TumourSphere> tumour_of(const NewCase& given) {
+  if (given.tumour) {
+    return read_tumour(*given.tumour);
+  }
+  const bool prone_plan =
+      given.plan &&
+      surgery::read_plan(read_text(*given.plan), given.plan->filename()).frame ==
+          surgery::Frame::Prone;
+  return prone_plan && !given.labels ? std::optional(read_tumour(*given.plan)) : std::nullopt;
+}
+
 void check_plan(const fs::path& file) {
   surgery::read_plan(read_text(file), file.filename());
 }
@@ -130,13 +153,15 @@ Case create_case(const fs::path& folder, const NewCase& given) {
   require(!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder)),
           "{}: this folder exists already and is not empty", folder.filename().string());
   imaging::parse_label_preset(given.label_preset);
-  io::read_labels(given.labels);
+  ensure(given.labels || given.image, "a case needs labels or an image");
+  std::optional<GivenImage> image;
   if (given.image) {
-    io::read_image(*given.image);
+    image = read_given_image(*given.image, given.series);
   }
   if (given.plan) {
     check_plan(*given.plan);
   }
+  const std::optional<imaging::TumourSphere> tumour = tumour_of(given);
   const fs::path place = fs::absolute(folder).lexically_normal();
   const fs::path final = place.filename().empty() ? place.parent_path() : place;
   const fs::path aside = final.parent_path() / fmt::format(".{}.new", final.filename().string());
@@ -150,17 +175,30 @@ Case create_case(const fs::path& folder, const NewCase& given) {
   Case patient;
   patient.folder = aside;
   patient.label_preset = given.label_preset;
-  patient.inputs["labels"] = take_in(given.labels, aside, "labels" + image_extension(given.labels));
-  if (given.image) {
-    patient.inputs["image"] = take_in(*given.image, aside, "image" + image_extension(*given.image));
+  try {
+    if (given.labels) {
+      patient.inputs["labels"] = take_in_labels(*given.labels, aside);
+    }
+    if (image) {
+      take_in_image(*image, patient);
+    }
+    if (given.plan) {
+      replace_plan(patient, *given.plan);
+    }
+    for (const auto& [name, file] : given.scans) {
+      replace_scan(patient, name, file);
+    }
+    if (tumour) {
+      patient.inputs["tumour"] = take_in(aside, "tumour.json", [&](const fs::path& to) {
+        write_text(to, tumour_text(*tumour));
+      });
+    }
+  } catch (...) {
+    fs::remove_all(aside, problem);
+    throw;
   }
-  if (given.plan) {
-    replace_plan(patient, *given.plan);
-  }
-  for (const auto& [name, file] : given.scans) {
-    replace_scan(patient, name, file);
-  }
-  patient.pseudonym = fmt::format("case-{:.8}", patient.inputs["labels"].sha256);
+  const std::string first = given.labels ? "labels" : "image";
+  patient.pseudonym = fmt::format("case-{:.8}", patient.inputs[first].sha256);
   save_case(patient);
   fs::remove(final, problem);  // the empty folder, if there was one
   fs::rename(aside, final);
@@ -174,7 +212,7 @@ Case open_case(const fs::path& folder) {
   if (!fs::exists(file)) {
     throw Error(Fault::Input,
                 fmt::format("{} is not a case: it has no case.json", folder.filename().string()),
-                "make one with `sanatrix new CASE --labels FILE`");
+                "make one with `sanatrix new CASE --image PATH` or `--labels FILE`");
   }
   const std::string text = read_text(file);
   return during("case.json", [&] {
@@ -202,8 +240,10 @@ void save_case(const Case& patient) {
 void replace_plan(Case& patient, const fs::path& plan_file) {
   check_plan(plan_file);
   // Named by content: a kill before case.json is saved leaves the old plan in force.
-  const std::string name = fmt::format("plan-{:.8}.json", sha256_of_file(plan_file));
-  patient.inputs["plan"] = take_in(plan_file, patient.folder, name);
+  const std::string text = anonymous_plan(read_text(plan_file));
+  const std::string name = fmt::format("plan-{:.8}.json", sha256_of_text(text));
+  patient.inputs["plan"] = take_in(patient.folder, name,
+                                   [&](const fs::path& to) { write_text(to, text); });
   patient.parameters.reset("surgery.");
 }
 

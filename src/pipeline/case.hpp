@@ -20,9 +20,9 @@ struct InputFile {
 
 struct Case {
   std::filesystem::path folder;
-  std::string pseudonym;  ///< made from the labels' hash; no name of anybody
+  std::string pseudonym;  ///< made from the first input's hash; no name of anybody
   std::string label_preset = "sanatrix";
-  std::map<std::string, InputFile> inputs;  ///< "labels", and perhaps "image", "plan", "scan", ...
+  std::map<std::string, InputFile> inputs;  ///< "labels", "image", perhaps "plan", "scan", ...
   Parameters parameters;
   std::optional<FocusRule> focus;  ///< where the mesh is fine; follows the plan lazily
 
@@ -33,14 +33,18 @@ struct Case {
   [[nodiscard]] surgery::Plan plan() const;
 };
 
+/// At least one of labels and image.
 struct NewCase {
-  std::filesystem::path labels;
+  std::optional<std::filesystem::path> labels;
   std::string label_preset = "sanatrix";
-  std::optional<std::filesystem::path> image, plan;
+  std::optional<std::filesystem::path> image;  ///< DICOM folder, or an image file
+  int series = 0;                              ///< of the DICOM folder; 0: chosen by the program
+  std::optional<std::filesystem::path> plan;
+  std::optional<std::filesystem::path> tumour;  ///< for images; else the plan's (pipeline/tumour.hpp)
   std::map<std::string, std::filesystem::path> scans;  ///< as for replace_scan
 };
 /// Creates the folder completely or not at all. Error{Input} when it exists and is not empty, or
-/// when an input cannot be read.
+/// when an input cannot be read. Everything is taken in anonymously (pipeline/intake.hpp).
 Case create_case(const std::filesystem::path& folder, const NewCase& given);
 /// Error{Input} when there is no case.json or it cannot be used.
 Case open_case(const std::filesystem::path& folder);

@@ -52,10 +52,12 @@ Recipe recipe(const Case& patient, Stage stage) {
     }
   };
   if (stage == Stage::Image) {
-    add_input("labels");
-    add_input("image");
+    for (const std::string name : {"labels", "image", "image_facts", "scan"}) {
+      add_input(name);
+    }
   } else if (stage == Stage::Segment) {
     made.entries["label preset"] = patient.label_preset;
+    add_input("tumour");
   } else if (stage == Stage::Mesh && patient.focus) {
     made.entries["focus"] = describe(*patient.focus);
   } else if (stage == Stage::Surgery) {

@@ -15,7 +15,7 @@ const std::array<StageInfo, 9>& all_stages() {
        "segment",
        "20-segment",
        "B",
-       "checking the labels",
+       "segmenting",
        1,
        {Image},
        {"segment."},

@@ -1,6 +1,11 @@
 // Step A: the images as they were given. Labels stay in inputs/; a greyscale image must lie where
 // the labels lie.
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
 #include "core/error.hpp"
+#include "core/files.hpp"
 #include "io/image_file.hpp"
 #include "pipeline/stages.hpp"
 
@@ -17,21 +22,42 @@ Vec3 centre_mm(const Image3<T>& image) {
 
 }  // namespace
 
+namespace {
+
+template <class T>
+void note_grid(const Image3<T>& image, StageNotes& notes) {
+  notes.numbers = {{"size_i", image.size[0]},
+                   {"size_j", image.size[1]},
+                   {"size_k", image.size[2]},
+                   {"spacing_i_mm", image.spacing_mm[0]},
+                   {"spacing_j_mm", image.spacing_mm[1]},
+                   {"spacing_k_mm", image.spacing_mm[2]}};
+}
+
+}  // namespace
+
 StageNotes run_image(const StageInput& in) {
+  StageNotes notes;
+  std::optional<Image3<float>> image;
+  if (in.patient.inputs.contains("image")) {
+    image = during("image", [&] { return io::read_image(in.patient.input("image")); });
+    note_grid(*image, notes);
+  }
+  if (in.patient.inputs.contains("image_facts")) {
+    const auto facts = nlohmann::json::parse(read_text(in.patient.input("image_facts")));
+    for (const auto& warning : facts.value("warnings", nlohmann::json::array())) {
+      notes.warnings.push_back(warning.get<std::string>());
+    }
+  }
+  if (!in.patient.inputs.contains("labels")) {
+    return notes;
+  }
+  in.ctx.at(0.5, "labels");
   const LabelImage labels =
       during("labels", [&] { return io::read_labels(in.patient.input("labels")); });
-  StageNotes notes;
-  notes.numbers = {{"size_i", labels.size[0]},
-                   {"size_j", labels.size[1]},
-                   {"size_k", labels.size[2]},
-                   {"spacing_i_mm", labels.spacing_mm[0]},
-                   {"spacing_j_mm", labels.spacing_mm[1]},
-                   {"spacing_k_mm", labels.spacing_mm[2]}};
-  if (in.patient.inputs.contains("image")) {
-    in.ctx.at(0.5, "greyscale image");
-    const Image3<float> image =
-        during("image", [&] { return io::read_image(in.patient.input("image")); });
-    const double apart = norm(centre_mm(image) - centre_mm(labels));
+  note_grid(labels, notes);
+  if (image) {
+    const double apart = norm(centre_mm(*image) - centre_mm(labels));
     if (apart > frame_tolerance_mm) {
       throw Error(Fault::Input,
                   fmt::format("image and labels do not lie in the same place: their centres are "

@@ -1,0 +1,133 @@
+#include "imaging/body_mask.hpp"
+
+#include <cmath>
+
+#include "core/error.hpp"
+
+namespace sanatrix::imaging {
+namespace {
+
+/// Otsu, doi:10.1109/TSMC.1979.4310076, on a histogram of square roots (bright tails are long).
+double otsu_threshold(const Image3<float>& image, double brightest) {
+  constexpr int bins = 512;
+  std::vector<double> count(bins, 0.0);
+  const double scale = (bins - 1) / std::sqrt(brightest);
+  for (const float v : image.voxels) {
+    const double x = std::sqrt(std::clamp(static_cast<double>(v), 0.0, brightest)) * scale;
+    count[static_cast<std::size_t>(x)] += 1.0;
+  }
+  double total = 0.0, moment = 0.0;
+  for (int b = 0; b < bins; ++b) {
+    total += count[static_cast<std::size_t>(b)];
+    moment += b * count[static_cast<std::size_t>(b)];
+  }
+  double below = 0.0, below_moment = 0.0, best = -1.0;
+  int threshold = 0;
+  for (int b = 0; b < bins; ++b) {
+    below += count[static_cast<std::size_t>(b)];
+    below_moment += b * count[static_cast<std::size_t>(b)];
+    if (below == 0.0 || below == total) {
+      continue;
+    }
+    const double apart = below_moment / below - (moment - below_moment) / (total - below);
+    if (const double between = below * (total - below) * apart * apart; between > best) {
+      best = between;
+      threshold = b;
+    }
+  }
+  return std::pow((threshold + 0.5) / scale, 2);
+}
+
+Mask largest_part(const Mask& mask) {
+  const Parts parts = connected_parts(mask);
+  Mask largest = image_like<unsigned char>(mask);
+  for (std::size_t v = 0; v < mask.voxels.size(); ++v) {
+    largest.voxels[v] = parts.part[v] == 0 ? 1 : 0;
+  }
+  return largest;
+}
+
+/// Dark voxels that are connected to the front or to a side of the field of view, slice by slice:
+/// a lung that opens to the back or to the next slice is not outside.
+Mask outside_air(const Mask& body) {
+  Mask air = image_like<unsigned char>(body);
+  const auto [nx, ny, nz] = body.size;
+  std::vector<std::array<int, 2>> front;
+  for (int k = 0; k < nz; ++k) {
+    front.clear();
+    const auto visit = [&](int i, int j) {
+      if (i >= 0 && j >= 0 && i < nx && j < ny && body.at(i, j, k) == 0 && air.at(i, j, k) == 0) {
+        air.at(i, j, k) = 1;
+        front.push_back({i, j});
+      }
+    };
+    for (int i = 0; i < nx; ++i) {
+      visit(i, 0);
+    }
+    for (int j = 0; j < ny / 2; ++j) {  // the back half of a side may be cut tissue
+      visit(0, j);
+      visit(nx - 1, j);
+    }
+    while (!front.empty()) {
+      const auto [i, j] = front.back();
+      front.pop_back();
+      visit(i - 1, j);
+      visit(i + 1, j);
+      visit(i, j - 1);
+      visit(i, j + 1);
+    }
+  }
+  return air;
+}
+
+}  // namespace
+
+AirSignal measure_air(const Image3<float>& image) {
+  std::vector<float> sample;
+  const std::size_t step = std::max<std::size_t>(1, image.voxels.size() / 400000);
+  for (std::size_t v = 0; v < image.voxels.size(); v += step) {
+    sample.push_back(image.voxels[v]);
+  }
+  const auto high = sample.begin() + static_cast<long>(0.995 * static_cast<double>(sample.size()));
+  std::nth_element(sample.begin(), high, sample.end());
+  require(*high > 0.0F, "the image is empty: its voxels are zero");
+  AirSignal air;
+  air.otsu = otsu_threshold(image, *high);
+  double limit = air.otsu;
+  for (int round = 0; round < 12; ++round) {
+    double n = 0.0, sum = 0.0, squares = 0.0;
+    for (const float v : sample) {
+      if (v < limit) {
+        n += 1.0;
+        sum += v;
+        squares += static_cast<double>(v) * v;
+      }
+    }
+    require(n > 0.0, "the image has no dark surroundings: the patient fills all of it");
+    air.mean = sum / n;
+    air.deviation = std::sqrt(std::max(0.0, squares / n - air.mean * air.mean));
+    limit = std::min(limit, air.mean + 4.0 * air.deviation + 1e-6);
+  }
+  return air;
+}
+
+Mask body_mask(const Image3<float>& image, const Image3<float>& threshold) {
+  Mask bright = image_like<unsigned char>(image);
+  for (std::size_t v = 0; v < image.voxels.size(); ++v) {
+    bright.voxels[v] =
+        image.voxels[v] > threshold.voxels[threshold.voxels.size() == 1 ? 0 : v] ? 1 : 0;
+  }
+  const Mask air = outside_air(largest_part(bright));
+  Mask body = image_like<unsigned char>(image);
+  std::size_t inside = 0;
+  for (std::size_t v = 0; v < body.voxels.size(); ++v) {
+    body.voxels[v] = air.voxels[v] == 0 ? 1 : 0;
+    inside += body.voxels[v];
+  }
+  require(static_cast<double>(inside) * image.voxel_volume_mm3() > 500e3,
+          "no body was found in the image: the bright part has only {:.0f} cm3",
+          static_cast<double>(inside) * image.voxel_volume_mm3() * 1e-3);
+  return body;
+}
+
+}  // namespace sanatrix::imaging

@@ -1,0 +1,21 @@
+// Where the patient is: everything that is not air in front of her or beside her.
+#pragma once
+
+#include "geometry/image.hpp"
+#include "geometry/image_filters.hpp"
+
+namespace sanatrix::imaging {
+
+/// Signal of air, mean and standard deviation, from the darkest mode of a (smoothed) image.
+struct AirSignal {
+  double mean = 0.0, deviation = 0.0;
+  double otsu = 0.0;  ///< threshold between dark and bright, for what comes next
+};
+AirSignal measure_air(const Image3<float>& image);
+
+/// The body in an image in LPS order: brighter than `threshold` (per voxel; one value: the same
+/// everywhere), the largest part, with everything enclosed or cut off from the front and the sides
+/// (lungs). Error{Input} without a body.
+Mask body_mask(const Image3<float>& image, const Image3<float>& threshold);
+
+}  // namespace sanatrix::imaging
