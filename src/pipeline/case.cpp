@@ -249,12 +249,14 @@ void replace_plan(Case& patient, const fs::path& plan_file) {
 
 void replace_scan(Case& patient, const std::string& name, const fs::path& file) {
   if (name.ends_with("_landmarks")) {
-    const json j = json::parse(read_text(file), nullptr, false);
+    const std::string text = read_text(file);
+    const json j = json::parse(text, nullptr, false);
     require(j.is_object() && j.contains("landmarks_scan_mm"),
             "{}: it has no object landmarks_scan_mm with nipple_L, nipple_R, sternal_notch",
             file.filename().string());
     patient.inputs[name] =
-        take_in(file, patient.folder, fmt::format("{}-{:.8}.json", name, sha256_of_file(file)));
+        take_in(patient.folder, fmt::format("{}-{:.8}.json", name, sha256_of_text(text)),
+                [&](const fs::path& to) { write_text(to, text); });
     return;
   }
   io::read_scan(file, io::parse_scan_unit(patient.parameters.text("outcome.scan_unit")));
