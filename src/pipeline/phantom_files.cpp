@@ -31,8 +31,11 @@ json half_volumes(const phantom::Phantom& p, std::span<const Vec3> points) {
 
 void write_truth_skin(const phantom::Phantom& p, std::span<const Vec3> points,
                       const fs::path& file) {
-  io::write_vtp(extract_surface(p.mesh, points, {"skin"}).mesh, {}, file,
-                io::LengthUnit::Millimetre);
+  const TriMesh skin = extract_surface(p.mesh, points, {"skin"}).mesh;
+  io::write_vtp(skin, {}, file, io::LengthUnit::Millimetre);
+  // Also as what a surface camera would deliver, for --scan.
+  fs::path ply = file;
+  io::write_surface(skin, ply.replace_extension(".ply"));
 }
 
 /// The case's skin over both breasts, from cells that belong to a breast.

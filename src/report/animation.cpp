@@ -98,8 +98,8 @@ std::vector<Subject> subjects(const Findings& f) {
   const std::vector<Vec3>& start = r.frames.front().points;
   Subject moved{"displacement.mp4",
                 "displacement (supine)",
-                "displacement [mm]",
-                "largest displacement [mm]",
+                "displacement since surgery [mm]",
+                "largest of the skin, against before surgery [mm]",
                 {},
                 0.1,
                 {"all days", {}, {}}};
