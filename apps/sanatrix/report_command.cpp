@@ -35,9 +35,8 @@ int write(const Arguments& given, const Common& common) {
   const report::Options options{
       given.animations ? report::Animations::Yes : report::Animations::No,
       given.photographs ? report::Photographs::Yes : report::Photographs::No};
-  const report::Written written =
-      report::write_report(patient, options, program(common),
-                           Context("report", progress, progress.stop_token()));
+  const report::Written written = report::write_report(
+      patient, options, program(common), Context("report", progress, progress.stop_token()));
   for (const std::string& note : written.notes) {
     fmt::print(stderr, "sanatrix: note: {}\n", note);
   }
@@ -92,10 +91,10 @@ void add_report(CLI::App& app, Common& common, Command& chosen) {
 
 void add_compare(CLI::App& app, Common& common, Command& chosen) {
   auto given = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "compare",
-      "Example: sanatrix compare out/plan-a out/plan-b --out comparison.html\n\n"
-      "Cases side by side on one page, same cameras and scales.");
+  CLI::App* command =
+      app.add_subcommand("compare",
+                         "Example: sanatrix compare out/plan-a out/plan-b --out comparison.html\n\n"
+                         "Cases side by side on one page, same cameras and scales.");
   command->add_option("CASE", given->folders, "case folders")->required()->expected(2, 12);
   command->add_option("--out", given->out, "HTML file to write")->capture_default_str();
   add_json(*command, common);

@@ -77,8 +77,8 @@ class Buffer {
 void add_animation(std::size_t targets, double seconds, Buffer& buffer, json& document) {
   std::vector<float> times, weights;
   for (std::size_t step = 0; step <= targets; ++step) {
-    times.push_back(static_cast<float>(seconds * static_cast<double>(step) /
-                                       static_cast<double>(targets)));
+    times.push_back(
+        static_cast<float>(seconds * static_cast<double>(step) / static_cast<double>(targets)));
     for (std::size_t target = 0; target < targets; ++target) {
       weights.push_back(step == target + 1 ? 1.0F : 0.0F);
     }
@@ -140,11 +140,13 @@ void write_glb(const TexturedSurface& surface, const std::vector<MorphTarget>& t
     return all;
   };
   Buffer buffer;
-  json document{
-      {"asset", {{"version", "2.0"}, {"generator", "Sanatrix"}}},
-      {"extras", {{"notice", "Research use only. Not a medical device."},
+  json document{{"asset", {{"version", "2.0"}, {"generator", "Sanatrix"}}},
+                {"extras",
+                 {{"notice", "Research use only. Not a medical device."},
                   {"axes", "x patient's left, y superior, z anterior; metres"}}},
-      {"scene", 0}, {"scenes", {{{"nodes", {0}}}}}, {"nodes", {{{"mesh", 0}, {"name", "patient"}}}}};
+                {"scene", 0},
+                {"scenes", {{{"nodes", {0}}}}},
+                {"nodes", {{{"mesh", 0}, {"name", "patient"}}}}};
   std::vector<std::uint32_t> indices;
   for (const auto& t : seamless.mesh.triangles) {
     for (const int v : t) {
@@ -161,8 +163,8 @@ void write_glb(const TexturedSurface& surface, const std::vector<MorphTarget>& t
     }
     attributes["TEXCOORD_0"] = buffer.add_corners(corners);
   }
-  json primitive{{"attributes", attributes}, {"indices", buffer.add_indices(indices)},
-                 {"material", 0}};
+  json primitive{
+      {"attributes", attributes}, {"indices", buffer.add_indices(indices)}, {"material", 0}};
   json names = json::array();
   for (const MorphTarget& target : targets) {
     TriMesh moved = surface.mesh;

@@ -15,7 +15,7 @@ constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-std::vector<double> signed_distances(const TriMesh& from, const TriMesh& to) {
+std::vector<double> signed_distances(const TriMesh& from, const TriMesh& to, double least_cosine) {
   const ScanTarget target(to);
   const std::vector<Vec3> normals = vertex_normals(from);
   std::vector<double> distances;
@@ -23,7 +23,7 @@ std::vector<double> signed_distances(const TriMesh& from, const TriMesh& to) {
   for (std::size_t v = 0; v < from.points.size(); ++v) {
     const auto hit = target.closest(from.points[v]);
     const double sign = dot(hit.point - from.points[v], hit.normal) < 0 ? -1.0 : 1.0;
-    const bool comparable = !hit.on_border && dot(hit.normal, normals[v]) > 0.3;
+    const bool comparable = !hit.on_border && dot(hit.normal, normals[v]) >= least_cosine;
     distances.push_back(comparable ? sign * hit.distance : nothing);
   }
   return distances;

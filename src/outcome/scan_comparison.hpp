@@ -9,8 +9,10 @@
 namespace sanatrix::outcome {
 
 /// Signed distances from the vertices of one surface to another, positive outwards of the first;
-/// NaN where the other ends or has a hole, or where its nearest place looks another way.
-std::vector<double> signed_distances(const TriMesh& from, const TriMesh& to);
+/// NaN where the other ends or has a hole, or where its nearest place looks another way (a smaller
+/// cosine between the normals than `least_cosine`; -1 leaves nothing out, as errors must not be).
+std::vector<double> signed_distances(const TriMesh& from, const TriMesh& to,
+                                     double least_cosine = 0.3);
 
 /// Statistics of |distance| over the chosen vertices that have one; weighted by area. `samples` is
 /// 0, and the rest NaN, when there are none.

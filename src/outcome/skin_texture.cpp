@@ -132,7 +132,8 @@ TexturedSurface baked(const TriMesh& skin, int side_pixels, ColourOf&& colour_of
         }
         const double wb = i / length, wc = j / length;
         const Colour colour = colour_of(t, std::array<double, 3>{1 - wb - wc, wb, wc});
-        const std::size_t at = 3 * (static_cast<std::size_t>(y) * side + static_cast<std::size_t>(x));
+        const std::size_t at =
+            3 * (static_cast<std::size_t>(y) * side + static_cast<std::size_t>(x));
         for (std::size_t c = 0; c < 3; ++c) {
           result.photograph.rgb[at + c] =
               static_cast<unsigned char>(std::clamp(colour[c], 0.0, 255.0));

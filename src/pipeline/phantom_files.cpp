@@ -68,6 +68,8 @@ std::string write_phantom(const phantom::Phantom& p, const phantom::Options& opt
                                    {"supine", &p.skin.supine},
                                    {"upright", &p.skin.upright}}) {
     io::write_vtp(*skin, {}, truth / fmt::format("{}_skin.vtp", name), io::LengthUnit::Millimetre);
+    // Also as what a surface camera would deliver, for --scan.
+    io::write_surface(*skin, truth / fmt::format("{}_skin.ply", name));
   }
   static const std::array density{"fatty", "scattered", "heterogeneous", "dense"};
   const json j{{"seed", options.seed},

@@ -22,6 +22,8 @@ using nlohmann::json;
 
 /// Skin that moves less than this between prone and upright tells where the scan lies.
 constexpr double still_m = 0.005;
+/// Errors of a prediction count even where the scan's nearest place looks another way.
+constexpr double any_way = -1.0;
 
 /// The upright skin before surgery, with the doubt about how far the breasts sag.
 outcome::StandingSkin standing_skin(const CaseResult& r, const Skin& skin) {
@@ -187,12 +189,13 @@ PreopScan prepare_preop(const Case& patient, const CaseResult& r, const Skin& sk
 FollowupScan compare_followup(const CaseResult& r, const Skin& skin, PlacedScan placed) {
   FollowupScan followup{std::move(placed), {}, {}, {}, {}};
   const TriMesh& scan = followup.placed.surface.mesh;
-  followup.anchored =
-      table1(skin.after, outcome::signed_distances(skin.after, scan), skin.breast, r.side());
+  followup.anchored = table1(skin.after, outcome::signed_distances(skin.after, scan, any_way),
+                             skin.breast, r.side());
   outcome::StandingSkin predicted{
       skin.after, std::vector<double>(skin.after.points.size(), 1.0), {}};
   followup.best_fit = outcome::align_freely(predicted, scan, Rigid{}).to_patient;
-  followup.distance = outcome::signed_distances(skin.after, moved(scan, followup.best_fit));
+  followup.distance =
+      outcome::signed_distances(skin.after, moved(scan, followup.best_fit), any_way);
   followup.fitted = table1(skin.after, followup.distance, skin.breast, r.side());
   return followup;
 }
@@ -296,10 +299,10 @@ Scans load_scans(const Case& patient, const CaseResult& r, const Skin& skin, con
   if (patient.inputs.contains("scan")) {
     ctx.at(0.1, "laying the scan onto the patient");
     scans.preop = prepare_preop(patient, r, skin, standing, old, now);
-    scans.model_error =
-        table1(skin.before.mesh,
-               outcome::signed_distances(skin.before.mesh, scans.preop->placed.surface.mesh),
-               skin.breast, r.side());
+    scans.model_error = table1(
+        skin.before.mesh,
+        outcome::signed_distances(skin.before.mesh, scans.preop->placed.surface.mesh, any_way),
+        skin.breast, r.side());
   }
   if (patient.inputs.contains("followup")) {
     ctx.at(0.3, "comparing with the follow-up scan");

@@ -34,7 +34,7 @@ struct Actor {
   /// Per point [m], empty: none. Drawn in true length where longer than 0.5 mm, coloured by their
   /// length in mm; of crowded arrows the longest.
   std::vector<Vec3> arrows;
-  std::vector<Vec3> normals;  ///< per point, empty: of the surface
+  std::vector<Vec3> normals;          ///< per point, empty: of the surface
   std::vector<TextureCorner> corner;  ///< per point, with a photograph
   std::shared_ptr<const Photograph> photograph;
 };

@@ -96,8 +96,13 @@ std::vector<Subject> subjects(const Findings& f) {
   const pipeline::CaseResult& r = f.result;
   std::vector<Subject> all;
   const std::vector<Vec3>& start = r.frames.front().points;
-  Subject moved{"displacement.mp4", "displacement (supine)", "displacement [mm]",
-                "largest displacement [mm]", {}, 0.1, {"all days", {}, {}}};
+  Subject moved{"displacement.mp4",
+                "displacement (supine)",
+                "displacement since surgery [mm]",
+                "largest of the skin, against before surgery [mm]",
+                {},
+                0.1,
+                {"all days", {}, {}}};
   moved.colour = [&start](const pipeline::Frame& frame) {
     std::vector<double> mm;
     for (std::size_t v = 0; v < start.size(); ++v) {
@@ -120,8 +125,9 @@ std::vector<Subject> subjects(const Findings& f) {
       continue;
     }
     const auto number = static_cast<std::size_t>(species - r.species.begin());
-    Subject subject{file, species->label, species->label + " [-]",
-                    "mean in the operated region [-]", {}, 0.1, {"all days", {}, {}}};
+    Subject subject{
+        file, species->label,      species->label + " [-]", "mean in the operated region [-]", {},
+        0.1,  {"all days", {}, {}}};
     subject.colour = [number, count = r.species.size()](const pipeline::Frame& frame) {
       std::vector<double> values;
       for (std::size_t i = number; i < frame.species.size(); i += count) {
@@ -149,14 +155,13 @@ std::optional<std::string> draw_animations(const Findings& f, const fs::path& fo
     fs::create_directories(aside);
     auto reason = render::with_display([&] { draw_frames(f, subject, aside); });
     if (!reason) {
-      reason = run_external("ffmpeg",
-                            {"-y", "-loglevel", "error", "-framerate",
-                             std::to_string(frames_per_second), "-i", (aside / "cut_%03d.png"),
-                             "-framerate", std::to_string(frames_per_second), "-i",
-                             (aside / "curve_%03d.png"), "-filter_complex",
-                             "[1]scale=900:380[c];[0][c]vstack", "-c:v", "libx264", "-pix_fmt",
-                             "yuv420p", (folder / subject.file)},
-                            120);
+      reason = run_external(
+          "ffmpeg",
+          {"-y", "-loglevel", "error", "-framerate", std::to_string(frames_per_second), "-i",
+           (aside / "cut_%03d.png"), "-framerate", std::to_string(frames_per_second), "-i",
+           (aside / "curve_%03d.png"), "-filter_complex", "[1]scale=900:380[c];[0][c]vstack",
+           "-c:v", "libx264", "-pix_fmt", "yuv420p", (folder / subject.file)},
+          120);
     }
     fs::remove_all(aside);
     if (reason) {

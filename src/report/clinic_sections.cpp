@@ -1,4 +1,5 @@
 // What patient and surgeon read: the plan in words, the views, the indices, healing.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -46,9 +47,9 @@ std::string in_short(const Findings& f) {
   const double most = f.outcome.at("max_displacement_upright_mm");
   const json* nipple = metric(f, "nipple_moved_mm");
   std::string text = fmt::format(
-      "Standing, about three months after surgery, the skin of the operated breast is predicted to "
-      "have moved by {:.1f} mm on average and {:.1f} mm at most",
-      mean, most);
+      "Standing, {:.0f} days after surgery, the skin of the operated breast is predicted to have "
+      "moved by {:.1f} mm on average and {:.1f} mm at most",
+      f.result.history.back().species.t_day, mean, most);
   if (nipple != nullptr && !nipple->at("change").is_null()) {
     text += fmt::format(", the nipple by {} mm", shown(nipple->at("change")));
   }
@@ -80,21 +81,46 @@ std::string with_range(const json& m, const char* value, const char* range, int 
   return text;
 }
 
-std::string metric_row(const json& m) {
+/// Reasons of noise floors, each once, with a letter to refer to it.
+class Footnotes {
+ public:
+  std::string refer(const std::string& text) {
+    const auto known = std::ranges::find(texts_, text);
+    const auto number = known - texts_.begin();
+    if (known == texts_.end()) {
+      texts_.push_back(text);
+    }
+    return fmt::format("<sup>{}</sup>", static_cast<char>('a' + number));
+  }
+  [[nodiscard]] std::string list() const {
+    std::string html;
+    for (std::size_t i = 0; i < texts_.size(); ++i) {
+      html += fmt::format("{}<sup>{}</sup>&nbsp;{}", i == 0 ? "" : "; ",
+                          static_cast<char>('a' + static_cast<int>(i)), escaped(texts_[i]));
+    }
+    return html;
+  }
+
+ private:
+  std::vector<std::string> texts_;
+};
+
+std::string metric_row(const json& m, Footnotes& footnotes) {
   const std::string unit = m.at("unit");
   const int digits = unit.empty() ? 2 : 1;
   std::string source = escaped(m.at("source").get<std::string>());
   if (m.at("noise_floor").get<double>() > 0) {
-    source += fmt::format("; noise below {} {}: {}", shown(m.at("noise_floor"), digits),
-                          escaped(unit), escaped(m.at("noise_source").get<std::string>()));
+    source += fmt::format("; noise below {} {}{}", shown(m.at("noise_floor"), digits),
+                          escaped(unit), footnotes.refer(m.at("noise_source")));
   }
   return fmt::format(
       "<tr{}><td>{}{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}{}</td>"
       "<td>{}<br><span class=\"quiet\">{}</span></td></tr>\n",
       m.at("below_noise").get<bool>() ? " class=\"noise\"" : "",
       escaped(m.at("name").get<std::string>()), unit.empty() ? "" : " [" + escaped(unit) + "]",
-      with_range(m, "before", "before_range", digits), with_range(m, "after", "after_range", digits),
-      shown(m.at("change"), digits), m.at("below_noise").get<bool>() ? " (noise)" : "",
+      with_range(m, "before", "before_range", digits),
+      with_range(m, "after", "after_range", digits), shown(m.at("change"), digits),
+      m.at("below_noise").get<bool>() ? " (noise)" : "",
       escaped(m.at("reference").get<std::string>()), source);
 }
 
@@ -128,16 +154,15 @@ std::string plan_section(const Findings& f, const fs::path& outcome) {
     html += fmt::format("<p class=\"quiet\">The plan itself says: {}.</p>",
                         escaped(f.result.plan.quadrant));
   }
-  html += "<ul class=\"facts\">" +
-          fact(fmt::format("{:.1f} cm&sup3;", p.excised_cm3), "removed") +
-          fact(fmt::format("{:.0f} g", p.excised_g), "its weight") +
-          fact(fmt::format("{:.1f} %", p.excised_percent), "of the breast") +
-          fact(fmt::format("{:.0f} cm&sup3;",
-                           f.outcome.at("breast_volume_cm3")
-                               .at(p.side == "LEFT" ? "L" : "R")
-                               .get<double>()),
-               "volume of the breast") +
-          "</ul>";
+  html +=
+      "<ul class=\"facts\">" + fact(fmt::format("{:.1f} cm&sup3;", p.excised_cm3), "removed") +
+      fact(fmt::format("{:.0f} g", p.excised_g), "its weight") +
+      fact(fmt::format("{:.1f} %", p.excised_percent), "of the breast") +
+      fact(fmt::format(
+               "{:.0f} cm&sup3;",
+               f.outcome.at("breast_volume_cm3").at(p.side == "LEFT" ? "L" : "R").get<double>()),
+           "volume of the breast") +
+      "</ul>";
   for (const json& warning : f.outcome.at("warnings")) {
     html += "<p><strong>Note:</strong> " + escaped(warning.get<std::string>()) + "</p>";
   }
@@ -148,14 +173,15 @@ std::string plan_section(const Findings& f, const fs::path& outcome) {
 std::string views_section(const Findings& f, const fs::path& pictures) {
   std::string html = "<h2>Before and after</h2><p>" + in_short(f) + "</p>" +
                      picture(pictures / "views.png", "Five standard views before and after",
-                             "The model standing, before and about three months after surgery; same "
+                             "The model standing, before surgery and after healing; same "
                              "cameras. Skin and areolae are drawn, not photographed.");
   if (fs::exists(pictures / "views_photo.png")) {
-    html += "<details><summary>Show the patient's own skin (photographs)</summary>" +
-            picture(pictures / "views_photo.png", "Photographed skin before and after",
-                    "The surface scan before surgery, and the same with the predicted displacement. "
-                    "Holes are places the camera did not see.") +
-            "</details>";
+    html +=
+        "<details><summary>Show the patient's own skin (photographs)</summary>" +
+        picture(pictures / "views_photo.png", "Photographed skin before and after",
+                "The surface scan before surgery, and the same with the predicted displacement. "
+                "Holes are places the camera did not see.") +
+        "</details>";
   }
   return html + picture(pictures.parent_path() / "90-outcome" / "fig7_displacement.png",
                         "Displacement of the skin as arrows and colours",
@@ -165,33 +191,37 @@ std::string views_section(const Findings& f, const fs::path& pictures) {
 std::string metrics_section(const Findings& f) {
   const json& cosmetics = f.outcome.at("cosmetics");
   std::string html =
-      "<h2 class=\"page\">Cosmetic indices</h2><p>Standing; before surgery, predicted after, and the "
+      "<h2 class=\"page\">Cosmetic indices</h2><p>Standing; before surgery, predicted after, and "
+      "the "
       "change. In brackets 5-95 % when landmarks are placed 2.5 mm (sd) off. Grey: the change is "
       "smaller than what such a measurement repeats to, so it must not be read as real.</p>"
       "<div class=\"wide\"><table><thead><tr><th>index</th><th class=\"n\">before</th><th "
       "class=\"n\">after</th><th class=\"n\">change</th><th>what is usual, definition, "
       "noise</th></tr></thead><tbody>\n";
   std::string group;
+  Footnotes footnotes;
   for (const json& m : cosmetics.at("metrics")) {
     if (m.at("group") != group) {
       group = m.at("group");
       html += fmt::format("<tr class=\"group\"><th colspan=\"5\">{}</th></tr>", group_title(group));
     }
-    html += metric_row(m);
+    html += metric_row(m, footnotes);
   }
-  html += "</tbody></table></div>";
+  html += "</tbody></table></div><p class=\"quiet\">Noise: " + footnotes.list() + ".</p>";
   const json& ptosis = cosmetics.at("ptosis_treated");
-  return html +
-         fmt::format(
-             "<p>Ptosis of the treated breast (Regnault 1976): {} before, {} after{}. Chance that BRA "
-             "exceeds 26 mm (healthy mean + 2 sd, Pezner 1985): {:.0f} %, from landmark doubt alone.</p>"
-             "<p class=\"quiet\">Not predicted: colour and scar indices of BCCT.core, and the Harvard "
-             "class, which need a photograph and a trained classifier.</p>",
-             ptosis.at("before").get<std::string>(), ptosis.at("after").get<std::string>(),
-             cosmetics.at("fold_known").get<bool>()
-                 ? ""
-                 : " (the fold lies below the model, its lower end stands for it)",
-             100 * cosmetics.at("chance_bra_above_26mm").get<double>());
+  return html + fmt::format(
+                    "<p>Ptosis of the treated breast (Regnault 1976): {} before, {} after{}. "
+                    "Chance that BRA "
+                    "exceeds 26 mm (healthy mean + 2 sd, Pezner 1985): {:.0f} %, from landmark "
+                    "doubt alone.</p>"
+                    "<p class=\"quiet\">Not predicted: colour and scar indices of BCCT.core, and "
+                    "the Harvard "
+                    "class, which need a photograph and a trained classifier.</p>",
+                    ptosis.at("before").get<std::string>(), ptosis.at("after").get<std::string>(),
+                    cosmetics.at("fold_known").get<bool>()
+                        ? ""
+                        : " (the fold lies below the model, its lower end stands for it)",
+                    100 * cosmetics.at("chance_bra_above_26mm").get<double>());
 }
 
 std::string healing_section(const Findings& f) {

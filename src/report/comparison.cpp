@@ -50,9 +50,8 @@ std::string results(const std::vector<Findings>& cases) {
   html += row(cases, "skin moves, mean [mm]", [](const Findings& f) {
     return shown(f.outcome.at("mean_displacement_upright_mm"));
   });
-  html += row(cases, "skin moves, at most [mm]", [](const Findings& f) {
-    return shown(f.outcome.at("max_displacement_upright_mm"));
-  });
+  html += row(cases, "skin moves, at most [mm]",
+              [](const Findings& f) { return shown(f.outcome.at("max_displacement_upright_mm")); });
   html += row(cases, "operated region, final volume [%]", [](const Findings& f) {
     return shown(100 * f.outcome.at("wound_volume_ratio_final").get<double>());
   });
@@ -92,7 +91,8 @@ std::string curves(const std::vector<Findings>& cases) {
 void write_comparison(const std::vector<pipeline::Case>& cases, const Program& program,
                       const std::filesystem::path& file, const Context& ctx) {
   if (cases.size() < 2) {
-    throw Error(Fault::Usage, "a comparison needs two cases or more", "name them one after the other");
+    throw Error(Fault::Usage, "a comparison needs two cases or more",
+                "name them one after the other");
   }
   std::vector<Findings> all;
   for (std::size_t i = 0; i < cases.size(); ++i) {
@@ -103,15 +103,16 @@ void write_comparison(const std::vector<pipeline::Case>& cases, const Program& p
   std::filesystem::path png = file;
   png += ".png";
   const auto reason = draw_comparison(all, png);
-  std::string pictures = reason ? "<p>No pictures: " + escaped(*reason) + "</p>"
-                                : "<figure>" + embedded_picture(png, "Cases side by side") +
-                                      "<figcaption>Same cameras and colours for all.</figcaption></figure>";
+  std::string pictures =
+      reason ? "<p>No pictures: " + escaped(*reason) + "</p>"
+             : "<figure>" + embedded_picture(png, "Cases side by side") +
+                   "<figcaption>Same scale and colours for all; obliques show the operated side.</figcaption></figure>";
   std::error_code ignored;
   std::filesystem::remove(png, ignored);
   write_text(file, page("Sanatrix comparison",
                         "<h1>Plans side by side</h1>" + notice() + plans(all) + pictures +
-                            results(all) + curves(all) + limits_section() +
-                            "<p class=\"quiet\">" + escaped(program.version) + "</p>"));
+                            results(all) + curves(all) + limits_section() + "<p class=\"quiet\">" +
+                            escaped(program.version) + "</p>"));
 }
 
 }  // namespace sanatrix::report

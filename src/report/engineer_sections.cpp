@@ -60,7 +60,8 @@ std::string preset_rows(const std::string& kind, const std::string& name) {
   }
   const json preset = json::parse(found->second);
   const json& values = preset.contains("values") ? preset.at("values") : preset;
-  return fmt::format("<tr class=\"group\"><th colspan=\"4\">{}: {}</th></tr>", kind, escaped(name)) +
+  return fmt::format("<tr class=\"group\"><th colspan=\"4\">{}: {}</th></tr>", kind,
+                     escaped(name)) +
          value_rows("", values);
 }
 
@@ -72,9 +73,8 @@ std::string stage_rows(const Findings& f) {
     for (const auto& [name, value] : record->numbers) {
       numbers += fmt::format("{}{} {:.5g}", numbers.empty() ? "" : ", ", name, value);
     }
-    rows += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td class=\"n\">{:.1f}</td><td>{}</td></tr>\n", stage.letter,
-        stage.title, record->seconds, escaped(numbers));
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{:.1f}</td><td>{}</td></tr>\n",
+                        stage.letter, stage.title, record->seconds, escaped(numbers));
   }
   return rows;
 }
@@ -98,7 +98,8 @@ std::string validation_section(const Findings& f, const fs::path& pictures) {
   }
   const json& scans = f.outcome.at("scans");
   std::string html =
-      "<h2 class=\"page\">Against the follow-up scan</h2><div class=\"wide\"><table><thead><tr><th>distance "
+      "<h2 class=\"page\">Against the follow-up scan</h2><div "
+      "class=\"wide\"><table><thead><tr><th>distance "
       "[mm]</th><th class=\"n\">mean</th><th class=\"n\">std</th><th class=\"n\">50 %</th><th "
       "class=\"n\">90 %</th><th class=\"n\">95 %</th><th class=\"n\">max</th></tr></thead><tbody>";
   html += distance_rows("prediction, best rigid fit", scans.at("followup").at("table1"));
@@ -108,10 +109,11 @@ std::string validation_section(const Findings& f, const fs::path& pictures) {
     html += distance_rows("model before surgery, chest kept in place",
                           scans.at("preop").at("model_error"));
   }
-  html += "<tr><td class=\"quiet\">Vavourakis 2016, four patients, best fit</td><td class=\"n "
-          "quiet\">2.8-4.1</td><td class=\"n quiet\">2.4-3.3</td><td class=\"n quiet\">2.0-3.5</td><td "
-          "class=\"n quiet\">5.7-8.7</td><td class=\"n quiet\">7.6-10.6</td><td></td></tr>"
-          "</tbody></table></div>";
+  html +=
+      "<tr><td class=\"quiet\">Vavourakis 2016, four patients, best fit</td><td class=\"n "
+      "quiet\">2.8-4.1</td><td class=\"n quiet\">2.4-3.3</td><td class=\"n quiet\">2.0-3.5</td><td "
+      "class=\"n quiet\">5.7-8.7</td><td class=\"n quiet\">7.6-10.6</td><td></td></tr>"
+      "</tbody></table></div>";
   if (f.scans.observed) {
     const json& seen = scans.at("observed_retraction").at("operated_breast");
     html += fmt::format(
@@ -121,16 +123,17 @@ std::string validation_section(const Findings& f, const fs::path& pictures) {
   }
   if (fs::exists(pictures / "distance.png")) {
     html += fmt::format(
-        "<figure>{}<figcaption>The scan, the distance of the prediction from it, and what has changed "
+        "<figure>{}<figcaption>The scan, the distance of the prediction from it, and what has "
+        "changed "
         "between the scans. Grey: no counterpart.</figcaption></figure>",
         embedded_picture(pictures / "distance.png", "Distances in colours"));
   }
   const std::vector<bool> all(f.skin.after.points.size(), true);
   constexpr double bin_mm = 0.5;
   return html + "<figure>" +
-         bar_chart(outcome::histogram(f.skin.after, f.scans.followup->distance, all, 1e-3 * bin_mm,
-                                      32),
-                   bin_mm, "distance [mm]; the last bar holds everything beyond", "share of the skin") +
+         bar_chart(
+             outcome::histogram(f.skin.after, f.scans.followup->distance, all, 1e-3 * bin_mm, 32),
+             bin_mm, "distance [mm]; the last bar holds everything beyond", "share of the skin") +
          "<figcaption>Histogram of the distances after the best rigid fit.</figcaption></figure>";
 }
 
@@ -145,19 +148,22 @@ std::string model_section(const Findings& f, const fs::path& outcome) {
       volume_change_percent(f, f.result.points(f.result.supine)),
       volume_change_percent(f, f.result.points(f.result.before)),
       volume_change_percent(f, f.result.points(f.result.after)));
-  html += "<div class=\"wide\"><table><thead><tr><th>step</th><th>what</th><th "
-          "class=\"n\">seconds</th><th>convergence and sizes</th></tr></thead><tbody>" +
-          stage_rows(f) + "</tbody></table></div>";
+  html +=
+      "<div class=\"wide\"><table><thead><tr><th>step</th><th>what</th><th "
+      "class=\"n\">seconds</th><th>convergence and sizes</th></tr></thead><tbody>" +
+      stage_rows(f) + "</tbody></table></div>";
   if (fs::exists(outcome / "fig5_species.png")) {
-    html += fmt::format("<figure>{}<figcaption>Healing inside the operated region, lying on the "
-                        "back.</figcaption></figure>",
-                        embedded_picture(outcome / "fig5_species.png", "Species on a cut"));
+    html += fmt::format(
+        "<figure>{}<figcaption>Healing inside the operated region, lying on the "
+        "back.</figcaption></figure>",
+        embedded_picture(outcome / "fig5_species.png", "Species on a cut"));
   }
-  html += "<details><summary>Values with their status and source</summary><div "
-          "class=\"wide\"><table><thead><tr><th>value</th><th></th><th>status</th><th>source</th>"
-          "</tr></thead><tbody>" +
-          preset_rows("tissue", parameters.text("tissue.preset")) +
-          preset_rows("healing", parameters.text("heal.preset")) + "</tbody></table></div></details>";
+  html +=
+      "<details><summary>Values with their status and source</summary><div "
+      "class=\"wide\"><table><thead><tr><th>value</th><th></th><th>status</th><th>source</th>"
+      "</tr></thead><tbody>" +
+      preset_rows("tissue", parameters.text("tissue.preset")) +
+      preset_rows("healing", parameters.text("heal.preset")) + "</tbody></table></div></details>";
   std::string given;
   for (const auto& [key, value] : parameters.given()) {
     given += fmt::format("<li><code>{} = {}</code></li>", escaped(key), escaped(value));
@@ -169,8 +175,8 @@ std::string model_section(const Findings& f, const fs::path& outcome) {
 std::string provenance_section(const Findings& f, const Program& program) {
   std::string rows;
   const auto row = [&](const std::string& what, const std::string& value) {
-    rows += fmt::format("<tr><td>{}</td><td><code>{}</code></td></tr>", escaped(what),
-                        escaped(value));
+    rows +=
+        fmt::format("<tr><td>{}</td><td><code>{}</code></td></tr>", escaped(what), escaped(value));
   };
   row("case", f.patient.pseudonym);
   for (const auto& [name, input] : f.patient.inputs) {
@@ -197,11 +203,13 @@ std::string provenance_section(const Findings& f, const Program& program) {
 }
 
 std::string limits_section() {
-  return "<h2>Limits</h2><ul><li>Most tissue values are taken from publications or assumed; none is "
+  return "<h2>Limits</h2><ul><li>Most tissue values are taken from publications or assumed; none "
+         "is "
          "measured in this patient. The table of values says which.</li><li>Removed tissue is "
          "modelled as weakened tissue that regains strength, not as a cavity or seroma.</li>"
          "<li>Radiotherapy, infection, drains, tissue displacement and changes of weight are not "
-         "modelled.</li><li>Skin that touches skin (the inframammary fold) is not kept from passing "
+         "modelled.</li><li>Skin that touches skin (the inframammary fold) is not kept from "
+         "passing "
          "through itself.</li><li>The prediction has been compared with synthetic truth and the "
          "paper's numbers, not with a cohort of operated patients.</li></ul>" +
          notice();

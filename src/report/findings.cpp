@@ -16,9 +16,8 @@ Findings find(const pipeline::Case& patient, const Context& ctx) {
     const pipeline::StageStatus status = pipeline::status(patient, stage.id);
     if (status.state != pipeline::State::Fresh) {
       throw Error(Fault::Input,
-                  fmt::format("{}: its stage {} is {} ({})",
-                              patient.folder.filename().string(), stage.name,
-                              pipeline::name_of(status.state), status.reason),
+                  fmt::format("{}: its stage {} is {} ({})", patient.folder.filename().string(),
+                              stage.name, pipeline::name_of(status.state), status.reason),
                   "bring the case up to date with `sanatrix run` first");
     }
   }
@@ -29,7 +28,8 @@ Findings find(const pipeline::Case& patient, const Context& ctx) {
              .outcome = {},
              .folder = std::filesystem::absolute(patient.folder).lexically_normal().filename()};
   if (f.folder.empty()) {
-    f.folder = std::filesystem::absolute(patient.folder).lexically_normal().parent_path().filename();
+    f.folder =
+        std::filesystem::absolute(patient.folder).lexically_normal().parent_path().filename();
   }
   f.skin = pipeline::skin_of(f.result);
   const auto outcome = patient.stage_folder(Stage::Outcome);
@@ -55,9 +55,10 @@ PlanInWords in_words(const Findings& f) {
   words.from_nipple_mm = 1e3 * norm(from);
   constexpr double central_m = 0.02;
   const bool outer = side * from[0] > 0;
-  words.quadrant = std::hypot(from[0], from[2]) < central_m
-                       ? "central"
-                       : fmt::format("{} {}", from[2] > 0 ? "upper" : "lower", outer ? "outer" : "inner");
+  words.quadrant =
+      std::hypot(from[0], from[2]) < central_m
+          ? "central"
+          : fmt::format("{} {}", from[2] > 0 ? "upper" : "lower", outer ? "outer" : "inner");
   words.margin_mm = 1e3 * r.plan.margin;
   words.radius_mm = 1e3 * r.plan.radius.value_or(r.plan.tumour_radius + r.plan.margin);
   words.excised_cm3 = 1e6 * r.wound.excised_m3;

@@ -53,9 +53,9 @@ struct Frame {
     return height - bottom - (y - y0) / (y1 - y0) * (height - top - bottom);
   }
   [[nodiscard]] std::string axes(const std::string& x_label, const std::string& y_label) const {
-    std::string svg = fmt::format(
-        "<rect x='{}' y='{}' width='{}' height='{}' fill='none' stroke='#999'/>", left, top,
-        width - left - right, height - top - bottom);
+    std::string svg =
+        fmt::format("<rect x='{}' y='{}' width='{}' height='{}' fill='none' stroke='#999'/>", left,
+                    top, width - left - right, height - top - bottom);
     const double dx = nice_step(x1 - x0), dy = nice_step(y1 - y0);
     for (double x = std::ceil(x0 / dx - 1e-9) * dx; x <= x1 + 1e-9 * dx; x += dx) {
       svg += fmt::format("<text x='{:.1f}' y='{}' text-anchor='middle'>{:g}</text>", px(x),
@@ -69,9 +69,10 @@ struct Frame {
     }
     svg += fmt::format("<text x='{}' y='{}' text-anchor='middle'>{}</text>",
                        0.5 * (left + width - right), height - 10, escaped(x_label));
-    return svg + fmt::format(
-                     "<text transform='translate(15,{}) rotate(-90)' text-anchor='middle'>{}</text>",
-                     0.5 * (top + height - bottom), escaped(y_label));
+    return svg +
+           fmt::format(
+               "<text transform='translate(15,{}) rotate(-90)' text-anchor='middle'>{}</text>",
+               0.5 * (top + height - bottom), escaped(y_label));
   }
 };
 
@@ -90,7 +91,7 @@ h1{font-size:1.7em;margin:.6em 0 .2em}h2{font-size:1.3em;margin:1.7em 0 .5em;bor
 .quiet{color:#595959;font-size:.88em}
 table{border-collapse:collapse;width:100%;margin:.5em 0}th,td{padding:.28em .55em;text-align:left;vertical-align:top;border-bottom:1px solid #ddd}
 th{background:#f2f5f7}td.n,th.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}
-tr.noise td{color:#6b6b6b;background:#f6f6f6}tr.group th{background:#e3edf4}
+tr.noise td{color:#636363;background:#f6f6f6}td br+.quiet{font-size:.8em;line-height:1.3}tr.group th{background:#e3edf4}
 .wide{overflow-x:auto}img,svg{max-width:100%;height:auto;display:block;margin:.4em auto}
 svg{max-width:680px}figure{margin:1em 0}figcaption{color:#444;font-size:.9em}
 .facts{display:grid;grid-template-columns:repeat(auto-fit,minmax(190px,1fr));gap:.7em;padding:0;list-style:none}
@@ -175,10 +176,10 @@ std::string bar_chart(const std::vector<double>& shares, double bin, const std::
   std::string inside = frame.axes(x_label, y_label);
   for (std::size_t i = 0; i < shares.size(); ++i) {
     const double x = frame.px(bin * static_cast<double>(i));
-    inside += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}'/>",
-                          x + 1, frame.py(shares[i]),
-                          frame.px(bin * static_cast<double>(i + 1)) - x - 2,
-                          frame.py(0) - frame.py(shares[i]), colours[0]);
+    inside +=
+        fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}'/>", x + 1,
+                    frame.py(shares[i]), frame.px(bin * static_cast<double>(i + 1)) - x - 2,
+                    frame.py(0) - frame.py(shares[i]), colours[0]);
   }
   return svg(inside, y_label + " over " + x_label);
 }

@@ -47,8 +47,7 @@ void write_surfaces(const Findings& f, Photographs photographs, const fs::path& 
     skin.after = skin.before;
     skin.after.mesh = f.skin.after;
   }
-  io::write_glb(skin.before, {{"after surgery", skin.after.mesh.points}},
-                folder / "upright.glb");
+  io::write_glb(skin.before, {{"after surgery", skin.after.mesh.points}}, folder / "upright.glb");
   io::write_textured_obj(skin.before, folder / "upright_before.obj");
   io::write_textured_obj(skin.after, folder / "upright_after.obj");
   io::write_surface(skin.after.mesh, folder / "upright_after.stl");

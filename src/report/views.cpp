@@ -30,8 +30,7 @@ render::Panel panel(std::vector<render::Actor> actors, View view, std::string ti
 
 void draw_five(const ClaySkin& skin, const fs::path& file) {
   std::vector<render::Panel> panels;
-  for (const auto& [surface, when] :
-       {std::pair{&skin.before, "before"}, {&skin.after, "after"}}) {
+  for (const auto& [surface, when] : {std::pair{&skin.before, "before"}, {&skin.after, "after"}}) {
     const std::vector<render::Actor> actors = render::textured(*surface);
     for (std::size_t i = 0; i < five_views.size(); ++i) {
       panels.push_back(panel(actors, five_views[i], fmt::format("{}, {}", when, view_names[i])));
@@ -64,8 +63,8 @@ void draw_distances(const Findings& f, const fs::path& file) {
     render::Actor scan;
     scan.surface = moved(followup.placed.surface.mesh, followup.best_fit);
     panels.push_back(panel({scan}, view, "follow-up scan"));
-    panels.push_back(panel({coloured(f.skin.after, millimetres(followup.distance, true))}, view,
-                           "prediction"));
+    panels.push_back(
+        panel({coloured(f.skin.after, millimetres(followup.distance, true))}, view, "prediction"));
     panels.back().bar_title = "distance from the follow-up scan [mm]";
     panels.back().bar_max = 10;
     if (f.scans.observed) {
@@ -96,8 +95,8 @@ std::vector<double> displacement_mm(const Findings& f) {
 
 ClaySkin clay_skin(const Findings& f) {
   const auto nipple = [&](std::size_t side) {
-    return f.result.points(f.result.before)[static_cast<std::size_t>(
-        f.result.model.nipple_vertex[side])];
+    return f.result.points(
+        f.result.before)[static_cast<std::size_t>(f.result.model.nipple_vertex[side])];
   };
   ClaySkin skin{outcome::clay(f.skin.before.mesh, {nipple(0), nipple(1)}), {}};
   skin.after = skin.before;
@@ -117,16 +116,16 @@ std::optional<ClaySkin> photographed_skin(const Findings& f) {
 }
 
 std::optional<std::string> draw_views(const Findings& f, const fs::path& folder) {
-  std::vector<std::function<void()>> shares{
-      [&] { draw_five(clay_skin(f), folder / "views.png"); },
-      [&] {
-        if (const auto photographed = photographed_skin(f)) {
-          draw_five(*photographed, folder / "views_photo.png");
-        }
-        if (f.scans.followup) {
-          draw_distances(f, folder / "distance.png");
-        }
-      }};
+  std::vector<std::function<void()>> shares{[&] { draw_five(clay_skin(f), folder / "views.png"); },
+                                            [&] {
+                                              if (const auto photographed = photographed_skin(f)) {
+                                                draw_five(*photographed,
+                                                          folder / "views_photo.png");
+                                              }
+                                              if (f.scans.followup) {
+                                                draw_distances(f, folder / "distance.png");
+                                              }
+                                            }};
   return render::with_display(shares);
 }
 
