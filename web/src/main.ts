@@ -74,6 +74,10 @@ async function show(): Promise<void> {
   } catch (problem) {
     const { message, hint } = problem as Refusal;
     frame(app, h('main', { class: 'page', id: 'main' }, h('h2', {}, text.error), h('p', {}, message), h('p', { class: 'quiet' }, hint), h('p', {}, h('a', { href: '#/' }, text.cases.title))), '');
+    // It may be there a moment later: look again when a job has changed.
+    const jobs = (): string => app.jobs.map((j) => `${j.id}${j.state}${j.progress.finished.length}`).join();
+    const before = jobs();
+    shown = { update: () => { if (jobs() !== before) void show(); } };
   }
 }
 

@@ -18,7 +18,8 @@ const t = text.healing;
 export async function healingStep(app: App): Promise<StepView> {
   const panel = h('div', { class: 'panel' });
   const id = app.summary!.id;
-  if (!app.isReady('heal')) {
+  // The server reads a whole result; its last part is the standing pose.
+  if (!app.isReady('heal') || !app.isReady('upright')) {
     fill(panel, [h('h2', {}, text.steps.healing[0]), h('p', { class: 'quiet' }, app.busy(id) ? t.coming : t.none)]);
     app.body = await app.bodyOf(app.summary!);
     if (app.viewer && app.body) { app.viewer.setPanes([{ title: '', bodies: [app.body] }]); app.viewer.frame(); }

@@ -49,7 +49,7 @@ class Planner {
     private readonly marked: { centre_lps_mm: Point; equivalent_radius_mm: number; side: Side } | null) {
     this.history = new History(saved);
     this.preset = app.summary!.parameters['heal.preset'] ?? 'vavourakis2016';
-    this.name = h('input', { type: 'text', value: saved?.name ?? '', maxLength: 60, placeholder: 'Plan A', onchange: () => this.change((p) => ({ ...p, name: this.name.value })) });
+    this.name = h('input', { type: 'text', value: saved?.name ?? '', maxLength: 60, placeholder: 'Plan A', oninput: () => this.rename() });
   }
 
   private get plan(): Plan | null { return this.history.current; }
@@ -154,6 +154,10 @@ class Planner {
     ]);
   }
 
+  /** Nothing is drawn anew: a button made anew between press and release would lose its click. */
+  private rename(): void {
+    if (this.plan) this.history.push({ ...this.plan, name: this.name.value }, true);
+  }
   private start(centre: Point, radius: number, side: Side, frame: 'prone' | 'supine'): void {
     this.history.push(draft.newPlan(side, centre, radius, frame));
     this.draw();
