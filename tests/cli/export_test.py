@@ -127,7 +127,8 @@ class CalculixAgrees(CliTest):
         case = self.folder / "case"
         self.run_ok("new", case, "--labels", labels, "--plan", plan)
         self.run_ok("run", case, "--to", "unload", *QUICK, "--set", "mesh.target_vertices=700",
-                    "--set", "mesh.near_edge_mm=14", "--set", "skin.enabled=no",
+                    "--set", "mesh.near_edge_mm=14", "--set", "mesh.far_edge_mm=16",
+                    "--set", "skin.enabled=no",
                     "--set", "tissue.preset=samani2004")
         exported = [self.folder / "patient.msh", self.folder / "patient.inp"]
         for out in exported:
