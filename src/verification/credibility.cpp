@@ -56,7 +56,8 @@ std::string plot_file(const CaseResult& result, std::size_t plot) {
 
 std::string case_section(const CaseResult& result) {
   const Case& one = *result.which;
-  std::string text = fmt::format("\n### {}\n\n`{}`. {}\n\n", one.title, one.key, one.about);
+  std::string text = fmt::format("\n<a id=\"{1}\"></a>\n\n### {0}\n\n`{1}`. {2}\n\n", one.title,
+                                 one.key, one.about);
   if (!result.found.skipped.empty()) {
     return text + fmt::format("Not run: {}.\n", result.found.skipped);
   }

@@ -122,23 +122,6 @@ class CalculixAgrees(CliTest):
         self.run_ok("export", problem, "--format", "inp", "--order", "2", "--out", inp)
         self.expect_agreement(problem, inp, 0.01)  # measured: 0.4 %
 
-    def test_on_a_patient_supine(self):
-        labels, plan = write_patient(self.folder / "patient")
-        case = self.folder / "case"
-        self.run_ok("new", case, "--labels", labels, "--plan", plan)
-        self.run_ok("run", case, "--to", "unload", *QUICK, "--set", "mesh.target_vertices=700",
-                    "--set", "mesh.near_edge_mm=14", "--set", "skin.enabled=no",
-                    "--set", "tissue.preset=samani2004")
-        exported = [self.folder / "patient.msh", self.folder / "patient.inp"]
-        for out in exported:
-            self.run_ok("export", case, "--format", out.suffix[1:], "--pose", "supine",
-                        "--order", "1" if out.suffix == ".msh" else "2", "--out", out)
-        problem = self.folder / "patient.problem.json"
-        same = json.loads(problem.read_text())
-        same["element"] = "p2p1"
-        problem.write_text(json.dumps(same))
-        self.expect_agreement(problem, exported[1], 0.02)
-
 
 if __name__ == "__main__":
     main()
