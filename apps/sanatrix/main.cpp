@@ -45,8 +45,8 @@ int run(int argc, char** argv) {
   Common common;
   common.arguments.assign(argv + 1, argv + argc);
   Command chosen;
-  for (const auto add :
-       {add_phantom, add_inspect, add_new, add_run, add_status, add_solve, add_params, add_score, add_version}) {
+  for (const auto add : {add_phantom, add_inspect, add_new, add_run, add_status, add_solve,
+                         add_params, add_score, add_version}) {
     add(app, common, chosen);
   }
   try {
