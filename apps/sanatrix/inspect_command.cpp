@@ -19,12 +19,12 @@ std::string numbers(const json& list, const char* between) {
 }
 
 std::string series_text(const json& s) {
-  std::string text = fmt::format(
-      "{} series {:<2} {} {:<7} {:<10} {:<4} {} voxels of {} mm",
-      s.at("chosen").get<bool>() ? "*" : " ", s.at("series").get<int>(),
-      s.at("modality").get<std::string>(), s.at("weighting").get<std::string>(),
-      s.at("plane").get<std::string>(), s.at("patient_position").get<std::string>(),
-      numbers(s.at("size"), " x "), numbers(s.at("spacing_mm"), " x "));
+  std::string text =
+      fmt::format("{} series {:<2} {} {:<7} {:<10} {:<4} {} voxels of {} mm",
+                  s.at("chosen").get<bool>() ? "*" : " ", s.at("series").get<int>(),
+                  s.at("modality").get<std::string>(), s.at("weighting").get<std::string>(),
+                  s.at("plane").get<std::string>(), s.at("patient_position").get<std::string>(),
+                  numbers(s.at("size"), " x "), numbers(s.at("spacing_mm"), " x "));
   if (s.contains("not_chosen_because")) {
     text += "\n            not chosen: " + s["not_chosen_because"].get<std::string>();
   }
@@ -48,8 +48,7 @@ std::string text_of(const json& j) {
   text += fmt::format(
       "{} files, {} without an image; {} data elements ({} private) would be left behind\n",
       j.at("files").get<int>(), j.at("files_without_image").get<int>(),
-      j.at("elements_that_would_be_left_behind").get<long>(),
-      j.at("private_elements").get<long>());
+      j.at("elements_that_would_be_left_behind").get<long>(), j.at("private_elements").get<long>());
   return text + (j.contains("nothing_chosen")
                      ? "nothing would be chosen: " + j["nothing_chosen"].get<std::string>() + "\n"
                      : "* would be chosen\n");

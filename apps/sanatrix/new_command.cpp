@@ -72,7 +72,9 @@ void add_new(CLI::App& app, Common& common, Command& chosen) {
       "Creates a case folder from a prone breast MRI (docs/user/images.md, labels.md, plan.md).\n"
       "Nothing that identifies the patient is taken in.");
   command->add_option("CASE", given->folder, "folder to create")->required();
-  command->add_option("--labels", given->labels, "label volume instead of the automatic segmentation: .nii.gz, .nii, .nrrd, .mha");
+  command->add_option(
+      "--labels", given->labels,
+      "label volume instead of the automatic segmentation: .nii.gz, .nii, .nrrd, .mha");
   command->add_option("--image", given->image,
                       "prone MRI: DICOM folder, .nii.gz, .nii, .nrrd or .mha");
   command

@@ -49,7 +49,7 @@ void confine(const ChildLimits& limits) {
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   const int nowhere = ::open("/dev/null", O_RDWR);
   ::dup2(nowhere, STDOUT_FILENO);
-  ::dup2(nowhere, STDERR_FILENO);  // parsers print what they find, names of patients too
+  ::dup2(nowhere, STDERR_FILENO);   // parsers print what they find, names of patients too
 #if !defined(__SANITIZE_ADDRESS__)  // which reserves terabytes of address space
   limit(RLIMIT_AS, address_space() + limits.memory_bytes);
 #endif
@@ -92,9 +92,9 @@ void send_answer(int to, char kind, const std::string& text) {
   } catch (const std::bad_alloc&) {
     send_answer(to, answer_memory, {});
   } catch (const std::exception& e) {
-    send_answer(to, answer_error,
-                static_cast<char>('0' + static_cast<int>(Fault::Input)) + std::string(e.what()) +
-                    '\0');
+    send_answer(
+        to, answer_error,
+        static_cast<char>('0' + static_cast<int>(Fault::Input)) + std::string(e.what()) + '\0');
   }
   ::_exit(0);  // never run the parent's destructors twice
 }
@@ -153,8 +153,8 @@ std::string in_confined_child(const std::string& activity, const ChildLimits& li
   ::close(ends[1]);
   if (child < 0) {
     ::close(ends[0]);
-    throw Error(Fault::Resource, fmt::format("{}: no new process: {}", activity,
-                                             std::strerror(errno)));
+    throw Error(Fault::Resource,
+                fmt::format("{}: no new process: {}", activity, std::strerror(errno)));
   }
   std::optional<std::string> answer;
   try {

@@ -43,7 +43,8 @@ LabelImage on_grid(const LabelImage& image, const LabelImage& grid, Mask& covere
   return result;
 }
 
-double dice(const LabelImage& a, const LabelImage& b, const Mask& where, bool (*is)(unsigned char)) {
+double dice(const LabelImage& a, const LabelImage& b, const Mask& where,
+            bool (*is)(unsigned char)) {
   double both = 0.0, sum = 0.0;
   for (std::size_t v = 0; v < a.voxels.size(); ++v) {
     if (where.voxels[v] != 0) {
@@ -63,7 +64,8 @@ Mask mask_where(const LabelImage& labels, bool (*is)(unsigned char)) {
   return mask;
 }
 
-/// Everything behind the first wall of a column is wall: fat between muscles, marrow, armpit filling.
+/// Everything behind the first wall of a column is wall: fat between muscles, marrow, armpit
+/// filling.
 void close_wall(LabelImage& labels) {
   for (int k = 0; k < labels.size[2]; ++k) {
     for (int i = 0; i < labels.size[0]; ++i) {
@@ -146,8 +148,8 @@ Agreement compare_labels(const LabelImage& found, const LabelImage& reference) {
   agreement.glandular_volume_percent =
       volume_true > 0.0 ? 100.0 * (volume_found / volume_true - 1.0) : 0.0;
   agreement.chest_wall = surface_error(a, truth, where, is_wall, is_soft);
-  agreement.skin = surface_error(a, truth, where, is_body,
-                                 [](unsigned char label) { return label == 0; });
+  agreement.skin =
+      surface_error(a, truth, where, is_body, [](unsigned char label) { return label == 0; });
   return agreement;
 }
 

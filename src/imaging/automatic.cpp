@@ -12,15 +12,15 @@
 namespace sanatrix::imaging {
 namespace {
 
-constexpr double working_mm = 1.2;     ///< in-plane voxel size for field and chest wall
+constexpr double working_mm = 1.2;  ///< in-plane voxel size for field and chest wall
 constexpr double wide_knots_mm = 70.0, fine_knots_mm = 45.0;
-constexpr double skin_mm = 2.0;        ///< thickness; Huang et al., doi:10.1118/1.2841938: 1-2.5 mm
+constexpr double skin_mm = 2.0;  ///< thickness; Huang et al., doi:10.1118/1.2841938: 1-2.5 mm
 /// Half way between air and skin, relative to fat: skin has about a third of fat's signal.
 constexpr float skin_edge = 0.17F;
-constexpr double local_mm = 7.0;       ///< over which the rest of the shading is followed
+constexpr double local_mm = 7.0;  ///< over which the rest of the shading is followed
 constexpr double surroundings_mm = 1.2;
-constexpr double muscle_mm = 12.0;     ///< behind the fascia; pectorals and ribs
-constexpr float lung_signal = 0.10F;   ///< relative to fat
+constexpr double muscle_mm = 12.0;    ///< behind the fascia; pectorals and ribs
+constexpr float lung_signal = 0.10F;  ///< relative to fat
 
 Image3<float> in_plane_smoothed(const Image3<float>& image, double sigma_mm) {
   Image3<float> result = image;
@@ -77,8 +77,7 @@ Cleft find_cleft(const Mask& body) {
   std::vector<double> left(front), right(front);
   for (std::size_t i = 1; i < front.size(); ++i) {
     left[i] = std::min(left[i], left[i - 1]);
-    right[front.size() - 1 - i] =
-        std::min(right[front.size() - 1 - i], right[front.size() - i]);
+    right[front.size() - 1 - i] = std::min(right[front.size() - 1 - i], right[front.size() - i]);
   }
   std::size_t from = 0, to = 0;
   for (std::size_t i = 0; i < front.size(); ++i) {
@@ -115,8 +114,7 @@ Mask soft_interior(const Mask& body, const ChestWall& wall, double below_skin_mm
       for (int i = 0; i < body.size[0]; ++i, ++v) {
         if (soft.voxels[v] != 0 &&
             (outside.voxels[v] > -below_skin_mm ||
-             wall.behind_mm(i * body.spacing_mm[0], j * body.spacing_mm[1], k) >
-                 -before_wall_mm)) {
+             wall.behind_mm(i * body.spacing_mm[0], j * body.spacing_mm[1], k) > -before_wall_mm)) {
           soft.voxels[v] = 0;
         }
       }
@@ -148,8 +146,8 @@ Image3<float> local_fat(const Image3<float>& relative, const Mask& soft,
   Image3<float> weight = image_like<float>(relative), sum = weight;
   for (std::size_t v = 0; v < soft.voxels.size(); ++v) {
     if (soft.voxels[v] != 0) {
-      const double off = (static_cast<double>(relative.voxels[v]) - model.fat_signal) /
-                         (1.5 * model.fat_spread);
+      const double off =
+          (static_cast<double>(relative.voxels[v]) - model.fat_signal) / (1.5 * model.fat_spread);
       weight.voxels[v] = static_cast<float>(std::exp(-0.5 * off * off));
       sum.voxels[v] = weight.voxels[v] * relative.voxels[v];
     }

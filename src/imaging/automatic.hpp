@@ -18,7 +18,7 @@ struct AutomaticLabels {
   Image3<float> relative;  ///< signal relative to fat
   ChestWall wall;
   GlandularModel gland;
-  double noise = 0.0;             ///< of air, relative to fat in the middle of the breasts
+  double noise = 0.0;  ///< of air, relative to fat in the middle of the breasts
 };
 
 /// Prone, both breasts, T1 or T2 without fat suppression. Error{Input} saying what is not there.

@@ -19,10 +19,10 @@ constexpr double widest_angle = 125.0 * std::numbers::pi / 180.0;
 constexpr double angle_step = 0.9 * std::numbers::pi / 180.0;
 // Muscle is below a quarter of the signal of fat, marrow above a half, fat is 1.
 constexpr float dark = 0.50F, bright = 0.92F;
-constexpr double side_mm = 5.0;        ///< depth over which the sides of the step are averaged
-constexpr double thick_fat_mm = 9.0;   ///< no such layer lies closely behind the wall
-constexpr double fat_search_mm = 40.0; ///< so far behind; gland is not that much deeper
-constexpr int most_step = 4;           ///< of the surface from ray to ray [radial steps]
+constexpr double side_mm = 5.0;         ///< depth over which the sides of the step are averaged
+constexpr double thick_fat_mm = 9.0;    ///< no such layer lies closely behind the wall
+constexpr double fat_search_mm = 40.0;  ///< so far behind; gland is not that much deeper
+constexpr int most_step = 4;            ///< of the surface from ray to ray [radial steps]
 
 /// Values on rays: slice, angle, radius (fastest).
 struct Rays {
@@ -38,17 +38,17 @@ struct Rays {
 /// Relative signal along every ray; -1 outside the body or the image.
 Rays sample_signal(const Image3<float>& relative, const Mask& body, const ChestWall& frame) {
   Rays rays{frame.angles, frame.slices, {}};
-  rays.value.assign(static_cast<std::size_t>(frame.angles) *
-                        static_cast<std::size_t>(frame.slices) * radii,
-                    -1.0F);
+  rays.value.assign(
+      static_cast<std::size_t>(frame.angles) * static_cast<std::size_t>(frame.slices) * radii,
+      -1.0F);
   for (int k = 0; k < frame.slices; ++k) {
     for (int a = 0; a < frame.angles; ++a) {
       const double angle = frame.first_angle + a * frame.angle_step;
       for (int r = 0; r < radii; ++r) {
-        const double i = (frame.centre_i_mm + r * radial_step_mm * std::sin(angle)) /
-                         relative.spacing_mm[0];
-        const double j = (frame.centre_j_mm - r * radial_step_mm * std::cos(angle)) /
-                         relative.spacing_mm[1];
+        const double i =
+            (frame.centre_i_mm + r * radial_step_mm * std::sin(angle)) / relative.spacing_mm[0];
+        const double j =
+            (frame.centre_j_mm - r * radial_step_mm * std::cos(angle)) / relative.spacing_mm[1];
         if (i < 0 || j < 0 || i > relative.size[0] - 1 || j > relative.size[1] - 1 ||
             body.at(static_cast<int>(std::lround(i)), static_cast<int>(std::lround(j)), k) == 0) {
           continue;
@@ -128,12 +128,11 @@ Rays position_cost(const Rays& signal) {
         // Skin is the limit: a wall outside the body is impossible.
         const bool outside = r > 2 && line[r - 1] < 0.0F && line[r - 2] < 0.0F &&
                              mean_known(line, 0, r, -1.0) >= 0.0;
-        const double muscle_in_front = *std::max_element(
-            &muscle[static_cast<std::size_t>(std::min(r + 2, radii - 1))],
-            &muscle[static_cast<std::size_t>(std::min(r + 15, radii - 1))] + 1);
+        const double muscle_in_front =
+            *std::max_element(&muscle[static_cast<std::size_t>(std::min(r + 2, radii - 1))],
+                              &muscle[static_cast<std::size_t>(std::min(r + 15, radii - 1))] + 1);
         out[r] = static_cast<float>(-std::max(step, 0.0) + 1.2 * fat_behind +
-                                    0.25 * muscle_in_front +
-                                    (outside ? 0.5 : 0.0));
+                                    0.25 * muscle_in_front + (outside ? 0.5 : 0.0));
       }
     }
   }
@@ -224,13 +223,20 @@ std::vector<double> smoothed(const std::vector<double>& radius, int angles, int 
   return {image.voxels.begin(), image.voxels.end()};
 }
 
+/// Anchored: the first round is tied to the base, so that slices at the end of the stack, which
+/// support only each other, cannot go astray together.
+enum class Start { Free, Anchored };
+
 void best_surface(const Rays& cost, const std::vector<double>& base, const Stiffness& stiff,
-                  int rounds, std::vector<double>& radius) {
+                  Start start, int rounds, std::vector<double>& radius) {
   const auto n = static_cast<std::size_t>(cost.angles);
   for (int round = 0; round < rounds; ++round) {
     for (int k = 0; k < cost.slices; ++k) {
       std::vector<double> neighbours;
-      if (round > 0) {
+      if (round == 0 && start == Start::Anchored) {
+        const auto first = base.begin() + static_cast<long>(static_cast<std::size_t>(k) * n);
+        neighbours.assign(first, first + static_cast<long>(n));
+      } else if (round > 0) {
         neighbours.assign(n, 0.0);
         for (std::size_t a = 0; a < n; ++a) {
           const auto at = [&](int c) {
@@ -240,9 +246,9 @@ void best_surface(const Rays& cost, const std::vector<double>& base, const Stiff
           neighbours[a] = 0.5 * (at(low == k ? high : low) + at(high == k ? low : high));
         }
       }
-      const std::vector<double> own(base.begin() + static_cast<long>(static_cast<std::size_t>(k) * n),
-                                    base.begin() +
-                                        static_cast<long>(static_cast<std::size_t>(k + 1) * n));
+      const std::vector<double> own(
+          base.begin() + static_cast<long>(static_cast<std::size_t>(k) * n),
+          base.begin() + static_cast<long>(static_cast<std::size_t>(k + 1) * n));
       best_path(cost, k, own, stiff, neighbours, radius);
     }
   }
@@ -272,9 +278,10 @@ ChestWall find_chest_wall(const Image3<float>& relative, const Mask& body, doubl
   std::vector<double> radius(static_cast<std::size_t>(wall.angles) *
                              static_cast<std::size_t>(wall.slices));
   std::vector<double> base(radius.size(), 0.0);
-  best_surface(cost, base, {.along = 0.05, .between = 0.01}, 3, radius);
-  base = smoothed(radius, wall.angles, wall.slices, 8, 3);
-  best_surface(cost, base, {.along = 0.15, .between = 0.05}, 4, radius);
+  best_surface(cost, base, {.along = 0.05, .between = 0.01}, Start::Free, 3, radius);
+  base = smoothed(radius, wall.angles, wall.slices, 8,
+                  std::max(3, static_cast<int>(std::lround(20.0 / relative.spacing_mm[2]))));
+  best_surface(cost, base, {.along = 0.15, .between = 0.05}, Start::Anchored, 4, radius);
   const std::vector<double> fine = smoothed(radius, wall.angles, wall.slices, 2, 1);
   for (std::size_t p = 0; p < fine.size(); ++p) {
     const auto r = static_cast<std::size_t>(std::clamp(std::lround(radius[p]), 0L, radii - 1L));

@@ -13,8 +13,8 @@ namespace sanatrix::imaging {
 class ChestWall {
  public:
   double centre_i_mm = 0.0, centre_j_mm = 0.0;
-  std::vector<double> radius_mm;     ///< angle fastest; angles from first_angle on
-  std::vector<float> contrast;       ///< per radius: fat in front against dark behind, about 0..1
+  std::vector<double> radius_mm;  ///< angle fastest; angles from first_angle on
+  std::vector<float> contrast;    ///< per radius: fat in front against dark behind, about 0..1
   int angles = 0, slices = 0;
   double first_angle = 0.0, angle_step = 0.0;  ///< 0: straight to anterior; positive: to the left
 

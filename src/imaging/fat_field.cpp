@@ -19,9 +19,9 @@ std::array<double, 4> cubic(double t) {
           (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0, t * t * t / 6.0};
 }
 
-constexpr double block_mm = 6.0;       ///< one sample per block of about this size
-constexpr double envelope = 0.80;      ///< quantile of a block that stands for its fat
-constexpr double least_share = 0.6;    ///< of a block inside the mask
+constexpr double block_mm = 6.0;     ///< one sample per block of about this size
+constexpr double envelope = 0.80;    ///< quantile of a block that stands for its fat
+constexpr double least_share = 0.6;  ///< of a block inside the mask
 
 /// One sample per block: its envelope's logarithm.
 std::vector<FatField::Sample> block_samples(const Image3<float>& image, const Mask& where) {
@@ -107,8 +107,7 @@ void FatField::fit(const std::vector<Sample>& samples, const std::vector<double>
     for (int k = 0; k < 4; ++k) {
       for (int j = 0; j < 4; ++j) {
         for (int i = 0; i < 4; ++i, ++c) {
-          at[c] = static_cast<Eigen::Index>(
-              index(s.first[0] + i, s.first[1] + j, s.first[2] + k));
+          at[c] = static_cast<Eigen::Index>(index(s.first[0] + i, s.first[1] + j, s.first[2] + k));
           w[c] = s.weight[0][static_cast<std::size_t>(i)] *
                  s.weight[1][static_cast<std::size_t>(j)] *
                  s.weight[2][static_cast<std::size_t>(k)];
@@ -207,13 +206,13 @@ Image3<float> fat_signal_on(const FatField& field, const Image3<float>& grid,
   constexpr int step = 4;
   for (int k = 0; k < grid.size[2]; ++k) {
     for (int j = 0; j < grid.size[1]; ++j) {
-      const double y = first_mm[1] + j * grid.spacing_mm[1], z = first_mm[2] + k * grid.spacing_mm[2];
+      const double y = first_mm[1] + j * grid.spacing_mm[1],
+                   z = first_mm[2] + k * grid.spacing_mm[2];
       for (int i = 0; i < grid.size[0]; i += step) {
         const double here = field.log_at({first_mm[0] + i * grid.spacing_mm[0], y, z});
         const double next = field.log_at({first_mm[0] + (i + step) * grid.spacing_mm[0], y, z});
         for (int a = i; a < std::min(i + step, grid.size[0]); ++a) {
-          signal.at(a, j, k) =
-              static_cast<float>(std::exp(here + (next - here) * (a - i) / step));
+          signal.at(a, j, k) = static_cast<float>(std::exp(here + (next - here) * (a - i) / step));
         }
       }
     }

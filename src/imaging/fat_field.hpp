@@ -10,7 +10,7 @@ namespace sanatrix::imaging {
 class FatField {
  public:
   struct Sample {
-    Vec3 at;         ///< continuous index in mm from the first voxel, along i, j, k
+    Vec3 at;  ///< continuous index in mm from the first voxel, along i, j, k
     double log_value;
   };
   FatField(const Vec3& extent_mm, double knot_mm);

@@ -65,8 +65,8 @@ std::size_t lowest(const std::array<double, bins>& count, double from, double to
 
 }  // namespace
 
-/// Fat is the peak near 1. Gland is a second peak where there is much of it; where there are strands
-/// only, every voxel holds some fat and the darkest of them come nearest to pure gland.
+/// Fat is the peak near 1. Gland is a second peak where there is much of it; where there are
+/// strands only, every voxel holds some fat and the darkest of them come nearest to pure gland.
 GlandularModel fit_glandular_model(const Image3<float>& relative, const Mask& where) {
   const std::array<double, bins> count = smoothed(histogram(relative, where));
   const double total = std::accumulate(count.begin(), count.end(), 0.0);
@@ -104,8 +104,8 @@ GlandularModel fit_glandular_model(const Image3<float>& relative, const Mask& wh
 }
 
 float glandular_share(const GlandularModel& model, float relative) {
-  const double share = (model.fat_signal - static_cast<double>(relative)) /
-                       (model.fat_signal - model.gland_signal);
+  const double share =
+      (model.fat_signal - static_cast<double>(relative)) / (model.fat_signal - model.gland_signal);
   return static_cast<float>(std::clamp(share, 0.0, 1.0));
 }
 

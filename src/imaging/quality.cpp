@@ -11,7 +11,7 @@
 namespace sanatrix::imaging {
 namespace {
 
-constexpr double clear_step = 0.5;           ///< of fat's signal
+constexpr double clear_step = 0.5;  ///< of fat's signal
 constexpr double least_seen = 0.35, doubtful_seen = 0.6;
 constexpr double most_roughness_mm = 2.5;
 constexpr double least_separation = 2.5, doubtful_separation = 4.0;
@@ -52,12 +52,12 @@ Quality assess(const AutomaticLabels& found) {
   q.wall_roughness_mm = root_mean_square_bend(wall);
   q.separation = found.gland.separation;
   if (q.wall_seen < least_seen) {
-    q.defects.push_back(fmt::format("the chest wall is seen on only {:.0f} % of its front",
-                                    100.0 * q.wall_seen));
+    q.defects.push_back(
+        fmt::format("the chest wall is seen on only {:.0f} % of its front", 100.0 * q.wall_seen));
   } else if (q.wall_seen < doubtful_seen) {
-    q.doubts.push_back(fmt::format(
-        "the chest wall is seen on {:.0f} % of its front; the rest is interpolated",
-        100.0 * q.wall_seen));
+    q.doubts.push_back(
+        fmt::format("the chest wall is seen on {:.0f} % of its front; the rest is interpolated",
+                    100.0 * q.wall_seen));
   }
   if (q.wall_roughness_mm > most_roughness_mm) {
     q.defects.push_back(fmt::format("the chest wall that was found is not smooth ({:.1f} mm)",

@@ -24,11 +24,11 @@ void check_grid(const Image3<T>& image, double spacing_mm, double most_mm = 6.0)
   for (std::size_t a = 0; a < 3; ++a) {
     const double h = image.spacing_mm[a];
     if (!(h >= 0.2 && h <= most_mm)) {
-      throw Error(Fault::Input,
-                  fmt::format("voxel spacing {:g} x {:g} x {:g} mm is outside 0.2 to {:g} mm",
-                              image.spacing_mm[0], image.spacing_mm[1], image.spacing_mm[2],
-                              most_mm),
-                  "the file's spacing must be in millimetres; correct its header");
+      throw Error(
+          Fault::Input,
+          fmt::format("voxel spacing {:g} x {:g} x {:g} mm is outside 0.2 to {:g} mm",
+                      image.spacing_mm[0], image.spacing_mm[1], image.spacing_mm[2], most_mm),
+          "the file's spacing must be in millimetres; correct its header");
     }
     const double extent = image.size[a] * h;
     if (extent < 60.0 || extent > 1000.0) {

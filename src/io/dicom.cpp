@@ -44,8 +44,8 @@ std::vector<fs::path> files_under(const fs::path& path) {
     return {path};
   }
   require(fs::is_directory(path), "{} is neither a file nor a folder", path.string());
-  for (const auto& entry : fs::recursive_directory_iterator(
-           path, fs::directory_options::skip_permission_denied)) {
+  for (const auto& entry :
+       fs::recursive_directory_iterator(path, fs::directory_options::skip_permission_denied)) {
     if (entry.is_regular_file()) {
       files.push_back(entry.path());
       require(files.size() <= most_files,
@@ -113,9 +113,8 @@ DicomFolder scan_dicom(const fs::path& path) {
   require(fs::exists(path), "{} does not exist", path.string());
   DicomFolder folder;
   folder.files = files_under(path);
-  const DicomHeaders headers = unpack(confined(folder.files, [&](volatile int* at) {
-    return pack(read_dicom_headers(folder.files, at));
-  }));
+  const DicomHeaders headers = unpack(confined(
+      folder.files, [&](volatile int* at) { return pack(read_dicom_headers(folder.files, at)); }));
   folder.files_without_image = headers.files_without_image;
   folder.elements_left_behind = headers.elements_left_behind;
   folder.private_left_behind = headers.private_left_behind;
@@ -140,8 +139,7 @@ Image3<float> read_dicom(const DicomFolder& folder, const DicomVolume& volume) {
           volume.size[0], volume.size[1], volume.size[2]);
   const std::string bytes = confined(folder.files, [&](volatile int* at) {
     const std::vector<float> voxels = read_dicom_pixels(folder.files, volume.slices, at);
-    return std::string(reinterpret_cast<const char*>(voxels.data()),
-                       voxels.size() * sizeof(float));
+    return std::string(reinterpret_cast<const char*>(voxels.data()), voxels.size() * sizeof(float));
   });
   ensure(bytes.size() == count * sizeof(float), "the DICOM reader answered {} bytes for {} voxels",
          bytes.size(), count);

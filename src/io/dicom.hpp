@@ -22,10 +22,10 @@ struct DicomVolume {
   double thickness_mm = 0.0;   ///< 0: not said
   std::vector<DicomSlice> slices;
   std::vector<std::string> warnings;
-  std::string defect;    ///< why these slices are no volume; empty: they are
-  std::string unfit;     ///< why the program would not choose it; empty: it could
+  std::string defect;                    ///< why these slices are no volume; empty: they are
+  std::string unfit;                     ///< why the program would not choose it; empty: it could
   [[nodiscard]] Vec3 extent_mm() const;  ///< along LPS
-  [[nodiscard]] std::string plane() const;      ///< "axial", "oblique coronal", ...
+  [[nodiscard]] std::string plane() const;  ///< "axial", "oblique coronal", ...
 };
 
 struct DicomFolder {

@@ -129,9 +129,8 @@ Weighting weighting_of(double tr_ms, double te_ms, const std::string& descriptio
 
 std::string image_type(const Frame& frame) {
   std::string type;
-  for (const auto& [item, tag] :
-       {std::pair<DcmItem*, DcmTagKey>{&frame.data, DCM_ImageType},
-        {&frame.macro(DCM_MRImageFrameTypeSequence), DCM_FrameType}}) {
+  for (const auto& [item, tag] : {std::pair<DcmItem*, DcmTagKey>{&frame.data, DCM_ImageType},
+                                  {&frame.macro(DCM_MRImageFrameTypeSequence), DCM_FrameType}}) {
     for (unsigned long i = 0; i < 8; ++i) {
       type += '\\' + code(*item, tag, i) + '\\';
     }
@@ -149,8 +148,8 @@ Acquisition acquisition_of(const Frame& frame, const std::string& type) {
   DcmItem& timing = frame.macro(DCM_MRTimingAndRelatedParametersSequence);
   a.repetition_time_ms = number(timing, DCM_RepetitionTime).value_or(0.0);
   DcmItem& echo = frame.macro(DCM_MREchoSequence);
-  a.echo_time_ms = number(echo, DCM_EffectiveEchoTime)
-                       .value_or(number(data, DCM_EchoTime).value_or(0.0));
+  a.echo_time_ms =
+      number(echo, DCM_EffectiveEchoTime).value_or(number(data, DCM_EchoTime).value_or(0.0));
   const std::string description =
       words(data, DCM_SeriesDescription) + ' ' + words(data, DCM_ProtocolName);
   a.weighting = weighting_of(a.repetition_time_ms, a.echo_time_ms, description);
@@ -162,11 +161,10 @@ Acquisition acquisition_of(const Frame& frame, const std::string& type) {
                      options.find("\\fs") != std::string::npos || suppression == "fat" ||
                      has_any(description, {"fatsat", "fat sat", "spair", "spir", "stir", "_fs",
                                            " fs", "fs_", "water excit"});
-  a.localizer =
-      has_any(type, {"LOCALIZER", "SCOUT"}) || has_any(description, {"localizer", "localiser",
-                                                                     "scout", "survey"});
-  a.derived_kind = has_any(type, {"SUBTRACT", "PROJECTION", "MIP", "MPR", "ADC", "PHASE",
-                                  "\\P\\", "\\W\\", "\\F\\", "WATER", "FAT\\", "DIFFUSION"});
+  a.localizer = has_any(type, {"LOCALIZER", "SCOUT"}) ||
+                has_any(description, {"localizer", "localiser", "scout", "survey"});
+  a.derived_kind = has_any(type, {"SUBTRACT", "PROJECTION", "MIP", "MPR", "ADC", "PHASE", "\\P\\",
+                                  "\\W\\", "\\F\\", "WATER", "FAT\\", "DIFFUSION"});
   a.contrast_agent = !words(data, DCM_ContrastBolusAgent).empty();
   return a;
 }
@@ -176,9 +174,9 @@ std::string stack_key(const Frame& frame, const DicomSlice& slice, const std::st
   OFString series, temporal, acquired_b;
   frame.data.findAndGetOFString(DCM_SeriesInstanceUID, series);
   DcmItem& content = frame.macro(DCM_FrameContentSequence);
-  content.findAndGetOFString(&content == &frame.data ? DCM_TemporalPositionIdentifier
-                                                     : DCM_TemporalPositionIndex,
-                             temporal);
+  content.findAndGetOFString(
+      &content == &frame.data ? DCM_TemporalPositionIdentifier : DCM_TemporalPositionIndex,
+      temporal);
   frame.macro(DCM_MRDiffusionSequence).findAndGetOFString(DCM_DiffusionBValue, acquired_b);
   return fmt::format("{}|{}|{}|{}|{}|{}x{}", series.c_str(), temporal.c_str(), acquired_b.c_str(),
                      type, slice.acquisition.echo_time_ms, slice.size[0], slice.size[1]);
@@ -211,7 +209,9 @@ void read_geometry(const Frame& frame, DicomSlice& slice) {
 bool is_dicom(const fs::path& file) {
   constexpr std::size_t preamble = 128;
   char start[preamble + 4] = {};
-  const auto close = [](std::FILE* f) { std::fclose(f); };
+  const auto close = [](std::FILE* f) {
+    std::fclose(f);
+  };
   const std::unique_ptr<std::FILE, decltype(close)> in(std::fopen(file.c_str(), "rb"), close);
   return in && std::fread(start, 1, sizeof start, in.get()) == sizeof start &&
          std::string_view(start + preamble, 4) == "DICM";

@@ -28,17 +28,17 @@ struct Acquisition {
   Weighting weighting = Weighting::Unknown;
   bool fat_suppressed = false;
   bool localizer = false;
-  bool derived_kind = false;    ///< subtraction, projection, phase, parameter map, Dixon fat or water
+  bool derived_kind = false;  ///< subtraction, projection, phase, parameter map, Dixon fat or water
   bool contrast_agent = false;  ///< an agent is named
   double field_strength_t = 0.0, repetition_time_ms = 0.0, echo_time_ms = 0.0;
 };
 
 /// Trivially copyable: it passes from the confined child to us as bytes.
 struct DicomSlice {
-  int file = 0;   ///< index into the list of files
-  int frame = 0;  ///< within the file
+  int file = 0;    ///< index into the list of files
+  int frame = 0;   ///< within the file
   int series = 0;  ///< same number: same series instance
-  int stack = 0;  ///< same number: same series, time point, echo, kind and matrix
+  int stack = 0;   ///< same number: same series, time point, echo, kind and matrix
   int instance_number = 0;
   std::array<int, 2> size{};  ///< columns, rows
   Vec3 position_mm{};         ///< of the centre of the first voxel, LPS
@@ -53,7 +53,7 @@ struct DicomSlice {
 /// What one pass over the files found. Lives only in memory.
 struct DicomHeaders {
   std::vector<DicomSlice> slices;
-  int files_without_image = 0;   ///< not DICOM, or DICOM without pixels
+  int files_without_image = 0;    ///< not DICOM, or DICOM without pixels
   long elements_left_behind = 0;  ///< data elements that are not taken over
   long private_left_behind = 0;   ///< of these, private ones
 };

@@ -11,10 +11,10 @@
 namespace sanatrix::io {
 namespace {
 
-constexpr double same_direction = 1e-3;   ///< rounding of direction cosines in headers
+constexpr double same_direction = 1e-3;  ///< rounding of direction cosines in headers
 constexpr double same_position_mm = 0.01;
-constexpr double gap_tolerance = 0.1;     ///< of the usual gap
-constexpr double most_shear_mm = 1.0;     ///< over the whole stack
+constexpr double gap_tolerance = 0.1;  ///< of the usual gap
+constexpr double most_shear_mm = 1.0;  ///< over the whole stack
 
 Vec3 normal_of(const DicomSlice& s) {
   return cross(s.row, s.column);
@@ -62,14 +62,16 @@ void check_gaps(DicomVolume& volume, const std::vector<double>& at) {
     const double missing = gaps[i] / usual - 1.0;
     const bool whole = missing > 0.5 && std::abs(missing - std::round(missing)) < 0.1;
     volume.defect =
-        whole ? fmt::format("{:.0f} slice(s) are missing between {:.2f} and {:.2f} mm along the "
-                            "normal (instances {} and {})",
-                            missing, at[i], at[i + 1], volume.slices[i].instance_number,
-                            volume.slices[i + 1].instance_number)
-              : fmt::format("slices are not evenly spaced: {:.2f} mm between instances {} and {}, "
-                            "{:.2f} mm elsewhere",
-                            gaps[i], volume.slices[i].instance_number,
-                            volume.slices[i + 1].instance_number, usual);
+        whole ? fmt::format(
+                    "{:.0f} slice(s) are missing between {:.2f} and {:.2f} mm along the "
+                    "normal (instances {} and {})",
+                    missing, at[i], at[i + 1], volume.slices[i].instance_number,
+                    volume.slices[i + 1].instance_number)
+              : fmt::format(
+                    "slices are not evenly spaced: {:.2f} mm between instances {} and {}, "
+                    "{:.2f} mm elsewhere",
+                    gaps[i], volume.slices[i].instance_number, volume.slices[i + 1].instance_number,
+                    usual);
     return;
   }
   volume.spacing_mm[2] = (at.back() - at.front()) / static_cast<double>(gaps.size());
@@ -117,8 +119,7 @@ DicomVolume volume_of(std::vector<DicomSlice> slices) {
   const DicomSlice& lowest = volume.slices.front();
   const DicomSlice& highest = volume.slices.back();
   volume.origin_mm = lowest.position_mm;
-  volume.spacing_mm = {lowest.pixel_mm[0], lowest.pixel_mm[1],
-                       std::max(volume.thickness_mm, 1e-3)};
+  volume.spacing_mm = {lowest.pixel_mm[0], lowest.pixel_mm[1], std::max(volume.thickness_mm, 1e-3)};
   for (std::size_t a = 0; a < 3; ++a) {
     volume.direction[a] = {lowest.row[a], lowest.column[a], normal[a]};
   }
@@ -149,8 +150,8 @@ DicomVolume volume_of(std::vector<DicomSlice> slices) {
 std::vector<std::vector<DicomSlice>> by_orientation(const std::vector<DicomSlice>& slices) {
   std::vector<std::vector<DicomSlice>> groups;
   for (const DicomSlice& s : slices) {
-    const auto group = std::ranges::find_if(
-        groups, [&](const auto& g) { return same_orientation(g.front(), s); });
+    const auto group =
+        std::ranges::find_if(groups, [&](const auto& g) { return same_orientation(g.front(), s); });
     if (group == groups.end()) {
       groups.push_back({s});
     } else {
@@ -252,16 +253,14 @@ const DicomVolume& choose_volume(const DicomFolder& folder, int series) {
         return volume;
       }
     }
-    throw Error(Fault::Input,
-                fmt::format("there is no series {} in the list of {}", series,
-                            folder.volumes.size()),
-                "`sanatrix inspect` lists what is there");
+    throw Error(
+        Fault::Input,
+        fmt::format("there is no series {} in the list of {}", series, folder.volumes.size()),
+        "`sanatrix inspect` lists what is there");
   }
   const auto rank = [](const DicomVolume& v) {
     const Acquisition& a = v.acquisition;
-    const int weighting = a.weighting == Weighting::T1   ? 0
-                          : a.weighting == Weighting::T2 ? 1
-                                                         : 2;
+    const int weighting = a.weighting == Weighting::T1 ? 0 : a.weighting == Weighting::T2 ? 1 : 2;
     return std::tuple(weighting, a.contrast_agent, !v.plane().ends_with("axial"),
                       v.spacing_mm[0] * v.spacing_mm[1] * v.spacing_mm[2], v.index);
   };
@@ -271,8 +270,8 @@ const DicomVolume& choose_volume(const DicomFolder& folder, int series) {
     if (volume.unfit.empty() && (best == nullptr || rank(volume) < rank(*best))) {
       best = &volume;
     }
-    reasons += fmt::format("{}series {}: {}", reasons.empty() ? "" : "; ", volume.index,
-                           volume.unfit);
+    reasons +=
+        fmt::format("{}series {}: {}", reasons.empty() ? "" : "; ", volume.index, volume.unfit);
   }
   if (best == nullptr) {
     throw Error(Fault::Input, "no series is fit for a breast model: " + reasons,

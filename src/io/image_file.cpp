@@ -162,14 +162,16 @@ void write_labels(const LabelImage& image, const fs::path& file) {
 
 void write_image(const Image3<float>& image, const fs::path& file) {
   // What scanners store are whole numbers: half the size, and several times faster to compress.
-  const bool whole = std::ranges::all_of(image.voxels, [](float v) {
-    return v >= -32768.0F && v <= 32767.0F && v == std::floor(v);
-  });
+  const bool whole = std::ranges::all_of(
+      image.voxels, [](float v) { return v >= -32768.0F && v <= 32767.0F && v == std::floor(v); });
   if (!whole) {
     write(image, file);
     return;
   }
-  write(Image3<short>{image.size, image.spacing_mm, image.origin_mm, image.direction,
+  write(Image3<short>{image.size,
+                      image.spacing_mm,
+                      image.origin_mm,
+                      image.direction,
                       {image.voxels.begin(), image.voxels.end()}},
         file);
 }

@@ -52,12 +52,10 @@ InputFile take_in_labels(const fs::path& file, const fs::path& folder) {
 }
 
 void take_in_image(const GivenImage& given, Case& patient) {
-  patient.inputs["image"] = take_in(patient.folder, "image.nrrd", [&](const fs::path& to) {
-    io::write_image(given.image, to);
-  });
-  patient.inputs["image_facts"] =
-      take_in(patient.folder, "image.json",
-              [&](const fs::path& to) { write_text(to, given.facts); });
+  patient.inputs["image"] = take_in(patient.folder, "image.nrrd",
+                                    [&](const fs::path& to) { io::write_image(given.image, to); });
+  patient.inputs["image_facts"] = take_in(patient.folder, "image.json",
+                                          [&](const fs::path& to) { write_text(to, given.facts); });
 }
 
 json to_json(const Vec3& v) {
@@ -114,9 +112,8 @@ std::optional<imaging::TumourSphere> tumour_of(const NewCase& given) {
     return read_tumour(*given.tumour);
   }
   const bool prone_plan =
-      given.plan &&
-      surgery::read_plan(read_text(*given.plan), given.plan->filename()).frame ==
-          surgery::Frame::Prone;
+      given.plan && surgery::read_plan(read_text(*given.plan), given.plan->filename()).frame ==
+                        surgery::Frame::Prone;
   return prone_plan && !given.labels ? std::optional(read_tumour(*given.plan)) : std::nullopt;
 }
 
@@ -189,9 +186,8 @@ Case create_case(const fs::path& folder, const NewCase& given) {
       replace_scan(patient, name, file);
     }
     if (tumour) {
-      patient.inputs["tumour"] = take_in(aside, "tumour.json", [&](const fs::path& to) {
-        write_text(to, tumour_text(*tumour));
-      });
+      patient.inputs["tumour"] = take_in(
+          aside, "tumour.json", [&](const fs::path& to) { write_text(to, tumour_text(*tumour)); });
     }
   } catch (...) {
     fs::remove_all(aside, problem);
@@ -242,8 +238,8 @@ void replace_plan(Case& patient, const fs::path& plan_file) {
   // Named by content: a kill before case.json is saved leaves the old plan in force.
   const std::string text = anonymous_plan(read_text(plan_file));
   const std::string name = fmt::format("plan-{:.8}.json", sha256_of_text(text));
-  patient.inputs["plan"] = take_in(patient.folder, name,
-                                   [&](const fs::path& to) { write_text(to, text); });
+  patient.inputs["plan"] =
+      take_in(patient.folder, name, [&](const fs::path& to) { write_text(to, text); });
   patient.parameters.reset("surgery.");
 }
 

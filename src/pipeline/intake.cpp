@@ -107,26 +107,66 @@ GivenImage read_series(const fs::path& path, int series) {
 bool names_somebody(std::string key) {
   std::ranges::transform(key, key.begin(), [](unsigned char c) { return std::tolower(c); });
   constexpr std::array<std::string_view, 22> suspicious{
-      "patient", "name",    "birth",  "date",     "time",     "mrn",         "hospital", "surgeon",
-      "author",  "address", "phone",  "mail",     "note",     "comment",     "remark",   "descr",
-      "source",  "user",    "study",  "accession", "physician", "institution"};
+      "patient", "name",    "birth", "date",      "time",      "mrn",        "hospital", "surgeon",
+      "author",  "address", "phone", "mail",      "note",      "comment",    "remark",   "descr",
+      "source",  "user",    "study", "accession", "physician", "institution"};
   return key == "id" || key.ends_with("_id") || key.ends_with("ID") ||
-         std::ranges::any_of(suspicious, [&](std::string_view s) {
-           return key.find(s) != std::string::npos;
-         });
+         std::ranges::any_of(suspicious,
+                             [&](std::string_view s) { return key.find(s) != std::string::npos; });
 }
 
 /// Texts with a meaning to us: a pose, a side, a place in the breast, a shape.
 bool is_coded(const std::string& text) {
-  constexpr std::array<std::string_view, 50> known{
-      "l",       "r",        "left",      "right",     "prone",        "supine",   "upright",
-      "upper",   "lower",    "inner",     "outer",     "central",      "medial",   "lateral",
-      "axillary", "tail",    "retroareolar", "quadrant", "lps",        "ras",      "mm",
-      "dicom",   "patient",  "frame",     "configuration", "cylinder", "axis",     "chest-wall",
-      "normal",  "through",  "tumour",    "centre",    "from",         "skin",     "to",
-      "fascia",  "wedge",    "ellipsoid", "sphere",    "painted",      "freehand", "radial",
-      "circumareolar", "periareolar", "inframammary", "imf",           "lazy-s",   "simple",
-      "none",    "hemi-lumpectomy"};
+  constexpr std::array<std::string_view, 50> known{"l",
+                                                   "r",
+                                                   "left",
+                                                   "right",
+                                                   "prone",
+                                                   "supine",
+                                                   "upright",
+                                                   "upper",
+                                                   "lower",
+                                                   "inner",
+                                                   "outer",
+                                                   "central",
+                                                   "medial",
+                                                   "lateral",
+                                                   "axillary",
+                                                   "tail",
+                                                   "retroareolar",
+                                                   "quadrant",
+                                                   "lps",
+                                                   "ras",
+                                                   "mm",
+                                                   "dicom",
+                                                   "patient",
+                                                   "frame",
+                                                   "configuration",
+                                                   "cylinder",
+                                                   "axis",
+                                                   "chest-wall",
+                                                   "normal",
+                                                   "through",
+                                                   "tumour",
+                                                   "centre",
+                                                   "from",
+                                                   "skin",
+                                                   "to",
+                                                   "fascia",
+                                                   "wedge",
+                                                   "ellipsoid",
+                                                   "sphere",
+                                                   "painted",
+                                                   "freehand",
+                                                   "radial",
+                                                   "circumareolar",
+                                                   "periareolar",
+                                                   "inframammary",
+                                                   "imf",
+                                                   "lazy-s",
+                                                   "simple",
+                                                   "none",
+                                                   "hemi-lumpectomy"};
   std::string word;
   bool all = true;
   const auto end_word = [&] {

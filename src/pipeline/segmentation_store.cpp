@@ -2,12 +2,14 @@
 
 #include "core/archive.hpp"
 #include "io/image_file.hpp"
+#include "io/slicer_segmentation.hpp"
 
 namespace sanatrix::pipeline {
 
 void save_segmentation(const imaging::Segmentation& segmentation,
                        const std::filesystem::path& folder) {
   io::write_labels(segmentation.labels, folder / "labels.nii.gz");
+  io::write_slicer_segmentation(segmentation.labels, folder / "segmentation.seg.nrrd");
   io::write_image(segmentation.fibroglandular, folder / "fibroglandular.nii.gz");
   const LabelImage& grid = segmentation.labels;
   Archive archive;  // NIfTI keeps the grid in single precision; this keeps it exactly

@@ -12,8 +12,8 @@
 namespace sanatrix::pipeline {
 namespace {
 
-using nlohmann::json;
 using imaging::TumourSphere;
+using nlohmann::json;
 
 TumourSphere from_markups(const json& document, const std::string& name) {
   const json& markup = document.at("markups").at(0);
@@ -33,7 +33,8 @@ TumourSphere from_markups(const json& document, const std::string& name) {
     centre += points.back();
   }
   if (points.size() < 2) {
-    throw Error(Fault::Input, fmt::format("{}: one point does not say how large the tumour is", name),
+    throw Error(Fault::Input,
+                fmt::format("{}: one point does not say how large the tumour is", name),
                 "draw a line across the tumour, or an ROI around it");
   }
   TumourSphere tumour{(1.0 / static_cast<double>(points.size())) * centre, 0.0};
@@ -54,7 +55,8 @@ TumourSphere read_tumour(const std::filesystem::path& file) {
     try {
       tumour = from_markups(document, name);
     } catch (const json::exception& e) {
-      throw Error(Fault::Input, fmt::format("{}: these markups cannot be used: {}", name, e.what()));
+      throw Error(Fault::Input,
+                  fmt::format("{}: these markups cannot be used: {}", name, e.what()));
     }
   } else {
     const surgery::Plan plan = surgery::read_plan(text, name);

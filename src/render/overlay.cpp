@@ -37,8 +37,8 @@ class Canvas {
   }
   void set(int x, int y, const Colour& colour) {
     if (x >= 0 && y >= 0 && x < width_ && y < height_) {
-      std::ranges::copy(colour,
-                        static_cast<unsigned char*>(data_->GetScalarPointer(x, height_ - 1 - y, 0)));
+      std::ranges::copy(
+          colour, static_cast<unsigned char*>(data_->GetScalarPointer(x, height_ - 1 - y, 0)));
     }
   }
   void write_text(int x, int y, const std::string& text) {
@@ -47,7 +47,8 @@ class Canvas {
     style->SetColor(1, 1, 1);
     vtkNew<vtkImageData> drawn;
     std::array<int, 2> size{};
-    if (!vtkFreeTypeTools::GetInstance()->RenderString(style.Get(), vtkStdString(text), 72, drawn.Get(), size.data())) {
+    if (!vtkFreeTypeTools::GetInstance()->RenderString(style.Get(), vtkStdString(text), 72,
+                                                       drawn.Get(), size.data())) {
       return;
     }
     std::array<int, 6> e{};
@@ -77,11 +78,11 @@ class Canvas {
 
 /// Groups of labels between which a line is drawn.
 int group(unsigned char label) {
-  return label == 0                                          ? 0
-         : is_wall(label)                                    ? 3
-         : label == static_cast<unsigned char>(Label::Tumour) ? 4
+  return label == 0                                                   ? 0
+         : is_wall(label)                                             ? 3
+         : label == static_cast<unsigned char>(Label::Tumour)         ? 4
          : label == static_cast<unsigned char>(Label::Fibroglandular) ? 2
-                                                                       : 1;
+                                                                      : 1;
 }
 
 const Colour* outline(int a, int b) {

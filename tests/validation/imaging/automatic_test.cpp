@@ -1,11 +1,12 @@
 // Automatic segmentation against the truth of the development patients.
+#include "imaging/automatic.hpp"
+
 #include <chrono>
 #include <cstdio>
 
 #include <gtest/gtest.h>
 
 #include "imaging/agreement.hpp"
-#include "imaging/automatic.hpp"
 #include "io/image_file.hpp"
 #include "shared_data.hpp"
 
@@ -22,41 +23,20 @@ class Automatic : public ::testing::TestWithParam<Patient> {};
 TEST_P(Automatic, AgreesWithTheTruth) {
   SANATRIX_REQUIRE_SHARED(std::string("data/") + GetParam().image);
   const Image3<float> image = io::read_image(shared_file);
-  const LabelImage truth =
-      io::read_labels(testing::shared_folder() / "data" / GetParam().truth);
+  const LabelImage truth = io::read_labels(testing::shared_folder() / "data" / GetParam().truth);
   Silent silent;
   const auto start = std::chrono::steady_clock::now();
   const AutomaticLabels found = label_image(image, Context("segment", silent));
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Agreement a = compare_labels(found.grid.labels, truth);
-  std::printf("%-16s soft %.4f  fgt %.3f vol %+.1f%%  wall %.2f p95 %.2f  skin %.2f p95 %.2f | "
-              "gland %.3f fat %.3f spread %.3f sep %.1f | %.1f s\n",
-              GetParam().image, a.soft_dice, a.glandular_dice, a.glandular_volume_percent,
-              a.chest_wall.mean_mm, a.chest_wall.p95_mm, a.skin.mean_mm, a.skin.p95_mm,
-              found.gland.gland_signal, found.gland.fat_signal, found.gland.fat_spread,
-              found.gland.separation, seconds);
-  if (std::getenv("SWEEP")) {
-    for (const double sig : {1.0, 1.5, 2.5, 4.0}) {
-      Image3<float> wide = found.grid.fibroglandular;
-      smooth(wide, sig);
-      for (const double beta : {0.0, 0.5, 1.0, 2.0}) {
-        double best = 0, bv = 0, bt = 0;
-        for (double t = 0.2; t < 1.3; t += 0.05) {
-          double both = 0, mine = 0, right = 0;
-          for (std::size_t v = 0; v < truth.voxels.size(); ++v) {
-            const bool a1 = found.grid.labels.voxels[v] != 3 && is_soft(found.grid.labels.voxels[v]) &&
-                            found.grid.fibroglandular.voxels[v] + beta * wide.voxels[v] > t;
-            const bool b1 = truth.voxels[v] == 2 || truth.voxels[v] == 8 || truth.voxels[v] == 9;
-            both += a1 && b1; mine += a1; right += b1;
-          }
-          const double d = 2 * both / (mine + right);
-          if (d > best) { best = d; bv = 100 * (mine / right - 1); bt = t; }
-        }
-        std::printf("   soft sig %.1f beta %.1f: dice %.3f vol %+.1f t %.2f\n", sig, beta, best, bv, bt);
-      }
-    }
-  }
+  std::printf(
+      "%-16s soft %.4f  fgt %.3f vol %+.1f%%  wall %.2f p95 %.2f  skin %.2f p95 %.2f | "
+      "gland %.3f fat %.3f spread %.3f sep %.1f | %.1f s\n",
+      GetParam().image, a.soft_dice, a.glandular_dice, a.glandular_volume_percent,
+      a.chest_wall.mean_mm, a.chest_wall.p95_mm, a.skin.mean_mm, a.skin.p95_mm,
+      found.gland.gland_signal, found.gland.fat_signal, found.gland.fat_spread,
+      found.gland.separation, seconds);
   if (const char* out = std::getenv("SANATRIX_DUMP")) {
     std::string name = GetParam().image;
     std::replace(name.begin(), name.end(), '/', '_');
