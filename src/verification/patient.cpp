@@ -71,10 +71,9 @@ pipeline::Case make_patient(const Scratch& scratch, const Context& ctx) {
   const phantom::Options options;
   const phantom::Phantom made = phantom::make_phantom(options, ctx.part(0.0, 0.1));
   pipeline::write_phantom(made, options, scratch.folder / "phantom");
-  pipeline::NewCase given{scratch.folder / "phantom/labels.nii.gz",
-                          "sanatrix",
-                          {},
-                          scratch.folder / "phantom/plan.json"};
+  pipeline::NewCase given;
+  given.labels = scratch.folder / "phantom/labels.nii.gz";
+  given.plan = scratch.folder / "phantom/plan.json";
   pipeline::Case patient = pipeline::create_case(scratch.folder / "case", given);
   patient.parameters.set("outcome.pictures", "no");
   return patient;
