@@ -40,7 +40,8 @@ struct NewCase {
   std::optional<std::filesystem::path> image;  ///< DICOM folder, or an image file
   int series = 0;                              ///< of the DICOM folder; 0: chosen by the program
   std::optional<std::filesystem::path> plan;
-  std::optional<std::filesystem::path> tumour;  ///< for images; else the plan's (pipeline/tumour.hpp)
+  std::optional<std::filesystem::path>
+      tumour;  ///< for images; else the plan's (pipeline/tumour.hpp)
   std::map<std::string, std::filesystem::path> scans;  ///< as for replace_scan
 };
 /// Creates the folder completely or not at all. Error{Input} when it exists and is not empty, or

@@ -103,10 +103,10 @@ void write_comparison(const std::vector<pipeline::Case>& cases, const Program& p
   std::filesystem::path png = file;
   png += ".png";
   const auto reason = draw_comparison(all, png);
-  std::string pictures =
-      reason ? "<p>No pictures: " + escaped(*reason) + "</p>"
-             : "<figure>" + embedded_picture(png, "Cases side by side") +
-                   "<figcaption>Same scale and colours for all; obliques show the operated side.</figcaption></figure>";
+  std::string pictures = reason ? "<p>No pictures: " + escaped(*reason) + "</p>"
+                                : "<figure>" + embedded_picture(png, "Cases side by side") +
+                                      "<figcaption>Same scale and colours for all; obliques show "
+                                      "the operated side.</figcaption></figure>";
   std::error_code ignored;
   std::filesystem::remove(png, ignored);
   write_text(file, page("Sanatrix comparison",
