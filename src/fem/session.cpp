@@ -19,9 +19,22 @@ Session::~Session() {
   PetscFinalize();
 }
 
+namespace {
+
+/// Without a session there is one process and nobody to talk to.
+bool in_session() {
+  int started = 0;
+  MPI_Initialized(&started);
+  return started != 0;
+}
+
+}  // namespace
+
 int rank() {
   int r = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &r);
+  if (in_session()) {
+    MPI_Comm_rank(MPI_COMM_WORLD, &r);
+  }
   return r;
 }
 
@@ -65,7 +78,9 @@ void broadcast(std::string& text, int from) {
 
 int ranks() {
   int n = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &n);
+  if (in_session()) {
+    MPI_Comm_size(MPI_COMM_WORLD, &n);
+  }
   return n;
 }
 

@@ -233,8 +233,8 @@ std::vector<DicomVolume> assemble_volumes(const std::vector<DicomSlice>& slices)
       DicomVolume& volume = volumes.emplace_back(volume_of(group));
       volume.index = static_cast<int>(volumes.size());
       // A few slices that do not belong to a long stack are a mix-up, not a second view.
-      if (&group == &groups.front() && groups.size() > 1 && group.size() * 5 > stack.size() * 4 &&
-          volume.defect.empty()) {
+      // Gaps in what is left are its consequence.
+      if (&group == &groups.front() && groups.size() > 1 && group.size() * 5 > stack.size() * 4) {
         volume.defect = fmt::format("{} of {} slices have another orientation",
                                     stack.size() - group.size(), stack.size());
       }

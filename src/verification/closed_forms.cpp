@@ -219,7 +219,7 @@ struct Contraction {
 /// T = lambda (kappa_w (1 - lambda^3) - P(lambda)).
 Findings contraction(const Context& ctx) {
   const double radius = 0.022;
-  const TetMesh mesh = ball_octant(graded_radii(radius, 10, 3.0 * radius, 1.35));
+  const TetMesh mesh = ball_octant(graded_radii(radius, 14, 3.0 * radius, 1.35));
   Body body;
   body.mesh = &mesh;
   body.fixed = symmetry_supports(mesh);
