@@ -210,6 +210,21 @@ void write_fields(const SolveProblem& p, const Solution& s, const fs::path& out)
   }
 }
 
+/// int u dV / V over the given mesh, from the vertices [mm]: the mean that does not depend on where
+/// the mesh is fine.
+Vec3 volume_mean_mm(const SolveProblem& p, std::span<const Vec3> moved) {
+  const std::vector<double> volumes = cell_volumes(p.mesh, p.mesh.points);
+  Vec3 mean{};
+  for (std::size_t c = 0; c < volumes.size(); ++c) {
+    for (const int v : p.mesh.cells[c]) {
+      mean += counts_cell(p, c) ? 0.25e3 * volumes[c] * moved[static_cast<std::size_t>(v)] : Vec3{};
+    }
+  }
+  const double volume = total_volume(p, p.mesh.points);
+  std::ranges::transform(mean, mean.begin(), [&](double m) { return sum(p, m) / volume; });
+  return mean;
+}
+
 json result_json(const SolveProblem& p, const Solution& s) {
   const std::vector<Vec3> moved = displacements(p, s);
   const double count = p.share == nullptr ? static_cast<double>(moved.size())
@@ -238,6 +253,7 @@ json result_json(const SolveProblem& p, const Solution& s) {
          {"last_residual", s.report.last_residual},
          {"max_displacement_mm", 1e3 * largest},
          {"mean_displacement_mm", mean},
+         {"volume_mean_displacement_mm", volume_mean_mm(p, moved)},
          {"volume_ratio", s.volume_ratio},
          {"min_jacobian", s.report.min_jacobian},
          {"probes", probes},

@@ -54,9 +54,9 @@ class Solve(CliTest):
             with self.subTest(changes=changes):
                 one = self.solve(**changes)
                 two = self.solve("--ranks", "3", **changes)
-                for a, b in zip([*one["mean_displacement_mm"], *one["probes"]["top"],
+                for a, b in zip([*one["mean_displacement_mm"], *one["volume_mean_displacement_mm"], *one["probes"]["top"],
                                  one["max_displacement_mm"], one["min_jacobian"]],
-                                [*two["mean_displacement_mm"], *two["probes"]["top"],
+                                [*two["mean_displacement_mm"], *two["volume_mean_displacement_mm"], *two["probes"]["top"],
                                  two["max_displacement_mm"], two["min_jacobian"]]):
                     self.assertAlmostEqual(a, b, delta=1e-8 * one["max_displacement_mm"])
                 self.assertEqual(one["mesh"], two["mesh"])
