@@ -1,6 +1,7 @@
 """A small patient through all stages: results, staleness, kills, interrupts, ranks.
 Usage: run_test.py PROGRAM"""
 import json
+import os
 import random
 import shutil
 import signal
@@ -12,6 +13,17 @@ from sanatrix_cli import (QUICK, CliTest, main, outcome_of, sanatrix, stages_run
                           write_patient)
 
 ALL = ["image", "segment", "mesh", "unload", "supine", "surgery", "heal", "upright", "outcome"]
+
+
+def kill_all_that_name(case):
+    """SIGKILL to every process with the case in its command line: launcher, ranks, children."""
+    for entry in pathlib.Path("/proc").iterdir():
+        try:
+            words = (entry / "cmdline").read_bytes().split(b"\0") if entry.name.isdigit() else []
+        except OSError:  # it ended meanwhile
+            continue
+        if str(case).encode() in words:
+            os.kill(int(entry.name), signal.SIGKILL)
 
 
 class Run(CliTest):
@@ -70,7 +82,7 @@ class Run(CliTest):
 
     def test_a_fresh_case_is_left_alone(self):
         case = self.copy()
-        self.run_ok("run", case)
+        resumed = self.run_ok("run", case, "--from", "heal", "-v")
         self.assertEqual(stages_run(case), [])
 
     def test_a_changed_margin_redoes_surgery_to_outcome_only(self):
@@ -146,6 +158,21 @@ class Run(CliTest):
         for key in ["wound_volume_ratio_final", "max_displacement_upright_mm",
                     "mean_displacement_upright_mm", "min_jacobian"]:
             self.assertAlmostEqual(one[key] / two[key], 1.0, delta=1e-8, msg=key)
+
+    def test_killed_on_two_ranks_it_goes_on_with_one(self):
+        case = self.copy()
+        process = start("run", case, "--from", "heal", "--ranks", "2", "-q")
+        checkpoint = case / "stages/.70-heal.new/checkpoint.bin"
+        while not checkpoint.exists():
+            self.assertIsNone(process.poll(), "healing ended before it could be killed")
+            time.sleep(0.01)
+        kill_all_that_name(case)
+        process.communicate()
+        resumed = self.run_ok("run", case, "--from", "heal", "-v")
+        one, two = outcome_of(self.done), outcome_of(case)
+        for key in ["wound_volume_ratio_final", "max_displacement_upright_mm", "min_jacobian"]:
+            self.assertAlmostEqual(one[key] / two[key], 1.0, delta=1e-8, msg=key)
+        self.assertIn("resuming from a checkpoint", resumed.stderr)
 
     def test_an_error_ends_all_ranks_with_its_exit_code(self):
         case = self.folder / "case"
