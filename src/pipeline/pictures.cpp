@@ -70,9 +70,9 @@ void write_plan(const CaseResult& r, const fs::path& file) {
   planned.wireframe = true;
   render::Actor resected = actor(shapes.resected);
   resected.colour = wound_red;
-  resected.opacity = 0.55;
+  resected.opacity = 0.35;
   render::Actor edges = resected;
-  edges.opacity = 1.0;
+  edges.opacity = 0.25;
   edges.colour = {0.45, 0.08, 0.08};
   edges.wireframe = true;
   const std::vector<render::Actor> actors{tumour, planned, edges, resected, skin};

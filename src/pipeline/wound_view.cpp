@@ -46,8 +46,9 @@ TriMesh cylinder(const Vec3& from, const Vec3& to, double radius) {
   const Vec3 other = std::abs(axis[0]) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 e1 = normalised(cross(axis, other)), e2 = cross(axis, e1);
   std::vector<Vec3> points;
-  for (int row = 0; row <= along; ++row) {
-    const Vec3 centre = from + (static_cast<double>(row) / along) * (to - from);
+  constexpr int rings = 5;  // few lines, so that what is inside stays visible
+  for (int row = 0; row <= rings; ++row) {
+    const Vec3 centre = from + (static_cast<double>(row) / rings) * (to - from);
     for (int i = 0; i < around; ++i) {
       points.push_back(centre + radius * std::cos(angle_of(i)) * e1 +
                        radius * std::sin(angle_of(i)) * e2);
