@@ -34,6 +34,7 @@ class Report(CliTest):
         cls._shared = tempfile.TemporaryDirectory()
         cls.place = pathlib.Path(cls._shared.name)
         labels, plan = write_patient(cls.place)
+        cls.plan = pathlib.Path(plan)
         cls.case = cls.place / "case"
         made = sanatrix("new", cls.case, "--labels", labels, "--plan", plan)
         done = sanatrix("run", cls.case, *QUICK)
@@ -122,11 +123,11 @@ class Report(CliTest):
         self.run_ok("run", self.case, "--scan", scan, "--set", "outcome.pictures=no")
         truth = json.loads((self.case / "stages/90-outcome/outcome.json").read_text())
         self.assertLess(truth["scans"]["preop"]["model_error"]["whole"]["p95_mm"], 0.3)
-        # Nipples from GLB would do; the OBJ's vertices farthest forward on each side stand for them.
+        # The vertices farthest forward on each side stand for the nipples.
         points = [tuple(map(float, line.split()[1:4]))
                   for line in (folder / "upright_before.obj").read_text().splitlines()
                   if line.startswith("v ")]
-        plan = json.loads((self.case / "inputs/plan.json").read_text())
+        plan = json.loads(self.plan.read_text())
         plan["sternal_notch_lps_mm"] = max(points, key=lambda p: p[2] - abs(p[0]))
         (self.place / "notch.json").write_text(json.dumps(plan))
         marks = {"sternal_notch": on_scan(*plan["sternal_notch_lps_mm"])}
@@ -141,7 +142,7 @@ class Report(CliTest):
         self.assertTrue(outcome["cosmetics"]["sternal_notch_known"])
         self.refused(2, "run", self.case, "--scan-landmarks", bad, says=["landmarks"])
 
-    def test_f_a_scan_of_two_million_triangles_is_taken_and_a_larger_one_refused(self):
+    def test_f_a_scan_of_two_million_triangles_is_read_in_time_and_memory(self):
         # A bulging sheet 0.5 m wide, 1000 x 1000 squares.
         n = 1000
         with open(self.place / "large.obj", "w") as out:
@@ -153,16 +154,14 @@ class Report(CliTest):
                 for i in range(n):
                     a = j * (n + 1) + i + 1
                     out.write(f"f {a} {a + 1} {a + n + 2} {a + n + 1}\n")
-        before = (self.case / "case.json").read_bytes()
-        started = time.process_time(), resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        started = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         # Not this patient, or any: read to its end, laid on, and refused with numbers.
         self.refused(2, "run", self.case, "--followup", self.place / "large.obj",
                      says=["cannot be laid onto the patient"])
-        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - started[1]
+        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - started
         peak_kb = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
         self.assertLess(used, 60)
         self.assertLess(peak_kb, 3_000_000)
-        self.assertNotEqual(before, b"")
 
 
 if __name__ == "__main__":
