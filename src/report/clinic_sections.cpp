@@ -51,10 +51,12 @@ std::string range_in_words(const Findings& f) {
   std::string text = "How strongly a wound shrinks differs between women: ";
   for (std::size_t i = 0; i < contractions.size(); ++i) {
     const json& c = contractions[i];
+    const double factor = c.at("displacement_factor");
     text += fmt::format(
-        "{}{} (to {:.0f} % of its volume) would move the skin by at most {:.1f} mm",
+        "{}{} (to {:.0f} % of its volume) would move the skin by at most {:.1f} mm{}",
         i == 0 ? "" : ", ", c.at("key") == "little" ? "little shrinking" : "strong shrinking",
-        100 * c.at("volume_ratio").get<double>(), most * c.at("displacement_factor").get<double>());
+        100 * c.at("volume_ratio").get<double>(), most * factor,
+        factor > 2 ? " (an upper estimate)" : "");
   }
   return text + ". ";
 }
