@@ -6,6 +6,8 @@
 #include <random>
 
 #include "core/error.hpp"
+#include "geometry/geodesic.hpp"
+#include "outcome/metric_table.hpp"
 #include "outcome/scan_comparison.hpp"
 #include "outcome/scan_target.hpp"
 
@@ -75,6 +77,24 @@ void add_landmark_indices(const Marks& m, std::size_t treated, Values& v) {
         mm * (m.nipple[side][2] - m.fold[side][2]);
     v[std::string("nipple_above_lowest_") + name + "_mm"] =
         mm * (m.nipple[side][2] - m.lowest[side][2]);
+    v[std::string("notch_nipple_") + name + "_mm"] = mm * norm(m.nipple[side]);
+    v[std::string("nipple_fold_") + name + "_mm"] = mm * norm(m.fold[side] - m.nipple[side]);
+  }
+  v["nipple_nipple_mm"] = mm * norm(Vec3{l[0] + r[0], l[1] - r[1], l[2] - r[2]});
+}
+
+/// What a tape along the skin shows; left out where the skin has no way between the marks.
+void add_lengths_along_skin(const Torso& torso, std::size_t treated, Values& v) {
+  const auto add = [&](const std::string& key, double length_m) {
+    if (std::isfinite(length_m)) {
+      v[key] = mm * length_m;
+    }
+  };
+  const std::vector<double> notch = lengths_along(torso.skin, torso.notch, torso.nipple);
+  for (const auto& [side, name] : {std::pair{treated, "treated"}, {1 - treated, "other"}}) {
+    add(fmt::format("notch_nipple_{}_skin_mm", name), notch[side]);
+    add(fmt::format("nipple_fold_{}_skin_mm", name),
+        lengths_along(torso.skin, torso.nipple[side], std::span(&torso.fold[side], 1)).front());
   }
 }
 
@@ -200,98 +220,6 @@ double below_mirrored(const Torso& torso, const BodyFrame& frame, std::size_t tr
   return mm * retraction(mirrored, inward, chosen).depth_m;
 }
 
-struct Definition {
-  const char *key, *group, *name, *unit;
-  double floor;
-  const char *floor_source, *reference, *source;
-};
-
-constexpr auto drift = "nipples drift 4.1-6.6 mm after the bra comes off (Scurr 2015)";
-constexpr auto scan_noise = "assumed: a surface scan repeats within 1 mm";
-constexpr auto landmarks = "landmarks are placed within 2.5 mm (assumed)";
-constexpr auto volume_noise = "3-D volumes repeat within 56 cm3 (doi:10.1089/lrb.2022.0015)";
-constexpr auto percent_drift = "4.1 mm of about 200 mm (Scurr 2015)";
-constexpr auto ratio_drift = "4.1 mm of about 80 mm (Scurr 2015)";
-constexpr auto bcct = "as in BCCT.core (doi:10.1007/s10549-008-0173-4)";
-constexpr auto m_source = "IJROBP 2016;97:894, PMC5685181, Fig 1";
-
-constexpr std::array definitions{
-    Definition{"volume_treated_cm3", "size", "volume of the treated breast", "cm3", 56,
-               volume_noise, "", "sum over the model's breast"},
-    Definition{"volume_symmetry_pct", "size", "volume symmetry", "%", 4.1,
-               "3-D volumes repeat within 4.1 % (doi:10.1089/lrb.2022.0015)",
-               "after conserving surgery 87 (78-93)", "O'Connell 2017, PMC5487698"},
-    Definition{"volume_asymmetry_pct", "size", "volume asymmetry", "%", 4.1,
-               "3-D volumes repeat within 4.1 % (doi:10.1089/lrb.2022.0015)", "unusual beyond 25",
-               "Stahl 2023, Arch Plast Surg 47:2242"},
-    Definition{"excised_pct", "size", "share of the breast removed", "%", 0, "",
-               "below 10: 83.5 % very satisfied; from 10: 37.0 %",
-               "Cochrane 2003, doi:10.1002/bjs.4344"},
-    Definition{"rms_asymmetry_mm", "shape", "surface asymmetry (RMS)", "mm", 1, scan_noise,
-               "after conserving surgery 5.9 (4.2-8.0); healthy 5.9",
-               "O'Connell 2017, PMC5487698; Losken 2005"},
-    Definition{"retraction_mm", "shape", "deepest retraction", "mm", 1, scan_noise, "",
-               "largest inward motion along the skin's normal, mean over 3 mm"},
-    Definition{"retraction_p95_mm", "shape", "retraction, 95th percentile", "mm", 1, scan_noise, "",
-               "over the treated breast's skin"},
-    Definition{"retraction_area3_cm2", "shape", "area retracted more than 3 mm", "cm2", 1,
-               "assumed: one triangle of the model's skin", "", "over the treated breast's skin"},
-    Definition{"retraction_area5_cm2", "shape", "area retracted more than 5 mm", "cm2", 1,
-               "assumed: one triangle of the model's skin", "", "over the treated breast's skin"},
-    Definition{"below_mirrored_mm", "shape", "deepest place below the mirrored other breast", "mm",
-               1, scan_noise, "", "distance from the mirrored other breast, mean over 3 mm"},
-    Definition{"bod_cm2", "shape", "overlap difference (BOD)", "cm2", 2, landmarks, "", bcct},
-    Definition{"bad_cm2", "shape", "area difference (BAD)", "cm2", 2, landmarks, "", bcct},
-    Definition{"pbod_pct", "shape", "overlap difference / mean area", "%", 2, landmarks, "", bcct},
-    Definition{"pbad_pct", "shape", "area difference / mean area", "%", 2, landmarks, "", bcct},
-    Definition{"bra_mm", "nipple", "breast retraction assessment (BRA)", "mm", 4.1, drift,
-               "healthy 12 +- 7; treated 37 +- 21; from 26 worth naming",
-               "Pezner 1985, PubMed 3972667"},
-    Definition{"pbra_pct", "nipple", "BRA / notch-nipple distance", "%", 2, percent_drift, "",
-               "Van Limbergen 1989"},
-    Definition{"pbra3d_pct", "nipple", "BRA in 3-D / notch-nipple distance", "%", 2, percent_drift,
-               "", "Kawale 2011"},
-    Definition{"unr_mm", "nipple", "upward nipple retraction, treated - other (UNR)", "mm", 4.1,
-               drift, "", bcct},
-    Definition{"nipple_moved_mm", "nipple", "nipple displacement", "mm", 4.1, drift, "",
-               "of the same skin point"},
-    Definition{"nipple_up_mm", "nipple", "- upwards", "mm", 4.1, drift, "",
-               "of the same skin point"},
-    Definition{"nipple_lateral_mm", "nipple", "- to the side", "mm", 4.1, drift, "",
-               "of the same skin point"},
-    Definition{"nipple_forward_mm", "nipple", "- forwards", "mm", 4.1, drift, "",
-               "of the same skin point"},
-    Definition{"nipple_turned_deg", "nipple", "nipple turned by", "deg", 5,
-               "assumed: normals of the skin within 12 mm", "", "mean normal around the nipple"},
-    Definition{"notch_nipple_pct", "nipple", "notch-nipple asymmetry", "%", 2, percent_drift,
-               "healthy 3.2; 41 % of women differ by more than 5 mm",
-               "Losken 2005; Cheong 2019, GOX 7:e2297"},
-    Definition{"nipple_above_fold_treated_mm", "nipple", "nipple above the fold, treated", "mm",
-               4.1, drift, "", "Regnault 1976"},
-    Definition{"nipple_above_fold_other_mm", "nipple", "nipple above the fold, other", "mm", 4.1,
-               drift, "", "Regnault 1976"},
-    Definition{"lbc_mm", "contour", "lower contour difference (LBC)", "mm", 4.1, drift, "", bcct},
-    Definition{"bce_mm", "contour", "nipple to lower contour difference (BCE)", "mm", 4.1, drift,
-               "", bcct},
-    Definition{"bcd_mm", "contour", "contour length difference (BCD)", "mm", 5, landmarks, "",
-               bcct},
-    Definition{"plbc_pct", "contour", "LBC / notch-nipple distance", "%", 2, landmarks, "", bcct},
-    Definition{"pbce_pct", "contour", "BCE / notch-nipple distance", "%", 2, landmarks, "", bcct},
-    Definition{"pbcd_pct", "contour", "BCD / mean contour length", "%", 2, landmarks, "", bcct},
-    Definition{"upper_pole_pct", "contour", "volume above the nipple, treated", "%", 4.1,
-               "3-D volumes repeat within 4.1 % (doi:10.1089/lrb.2022.0015)",
-               "ideal 45; after conserving surgery 74 (weakly related to what panels see)",
-               "ABS 2017 P120"},
-    Definition{"m1", "symmetry", "M1 nipple level (1: symmetric)", "", 0.05, ratio_drift, "",
-               m_source},
-    Definition{"m2", "symmetry", "M2 nipple to lower contour", "", 0.05, ratio_drift, "", m_source},
-    Definition{"m3", "symmetry", "M3 nipple from the middle", "", 0.05, ratio_drift, "", m_source},
-    Definition{"m4", "symmetry", "M4 nipple to lateral contour", "", 0.05, ratio_drift, "",
-               m_source},
-    Definition{"m5", "symmetry", "M5 lower contour level", "", 0.05, ratio_drift, "", m_source},
-    Definition{"m6", "symmetry", "M6 lateral contour", "", 0.05, ratio_drift, "", m_source},
-};
-
 std::optional<double> value_of(const Values& values, const std::string& key) {
   const auto found = values.find(key);
   return found == values.end() ? std::nullopt : std::optional(found->second);
@@ -304,6 +232,7 @@ std::map<std::string, double> shape_indices(const Torso& torso, const BodyFrame&
   const std::array<Outline, 2> outlines = outlines_of(torso, frame);
   Values v;
   add_landmark_indices(marks_of(torso, frame, outlines), treated, v);
+  add_lengths_along_skin(torso, treated, v);
   const Outline &r = outlines[0], &l = outlines[1];
   v["bcd_mm"] = mm * std::abs(l.length_m - r.length_m);
   v["pbcd_pct"] = 100 * v["bcd_mm"] / (mm * 0.5 * (l.length_m + r.length_m));
@@ -358,13 +287,12 @@ std::vector<Metric> cosmetic_metrics(const Question& q, const BodyFrame& frame) 
       m.noise_floor = std::max(m.noise_floor, 2 * range_of(std::move(differences)).sd);
     }
     m.is_noise = m.change && std::abs(*m.change) < m.noise_floor;
-    if (!q.notch_known &&
-        (m.key.starts_with("p") || m.key == "notch_nipple_pct" || m.key == "m5") &&
-        m.before_range) {
+    if (!q.notch_known && (m.key.starts_with("notch") ||
+                           ((m.key.starts_with("p") || m.key == "m5") && m.before_range))) {
       m.source +=
           "; the sternal notch is not in the image: lengths count from the model's upper end";
     }
-    if (!q.folds_known && m.key.find("fold") != std::string::npos) {
+    if (!q.folds_known && m.key.find("_fold") != std::string::npos) {
       m.source += "; the fold is not in the model: its lower end stands for it";
     }
     metrics.push_back(std::move(m));
@@ -377,6 +305,18 @@ double chance_of_bra_above(const Question& q, const BodyFrame& frame, double lim
   return static_cast<double>(
              std::ranges::count_if(values, [&](double bra) { return bra > limit_mm; })) /
          static_cast<double>(values.size());
+}
+
+std::map<std::string, double> chances_of_ptosis(const Torso& torso, const BodyFrame& frame,
+                                                std::size_t treated) {
+  const Draws drawn = draw(torso, frame, treated);
+  const std::vector<double>& fold = drawn.at("nipple_above_fold_treated_mm");
+  const std::vector<double>& lowest = drawn.at("nipple_above_lowest_treated_mm");
+  std::map<std::string, double> chance;
+  for (std::size_t i = 0; i < fold.size(); ++i) {
+    chance[ptosis_grade(fold[i], lowest[i])] += 1.0 / static_cast<double>(fold.size());
+  }
+  return chance;
 }
 
 std::string ptosis_grade(double nipple_above_fold_mm, double nipple_above_lowest_mm) {

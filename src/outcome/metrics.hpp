@@ -42,6 +42,10 @@ std::vector<Metric> cosmetic_metrics(const Question& question, const BodyFrame& 
 /// Share of landmark draws in which BRA after surgery exceeds a length.
 double chance_of_bra_above(const Question& question, const BodyFrame& frame, double mm);
 
+/// Share of landmark draws with each grade of ptosis of the treated breast.
+std::map<std::string, double> chances_of_ptosis(const Torso& torso, const BodyFrame& frame,
+                                                std::size_t treated);
+
 /// Regnault's grade (Plast Reconstr Surg 1976;58:1) from heights above the fold and above the
 /// lowest point: "none", "I", "II", "III", "pseudoptosis".
 std::string ptosis_grade(double nipple_above_fold_mm, double nipple_above_lowest_mm);

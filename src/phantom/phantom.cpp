@@ -1,9 +1,10 @@
-// Design, three gravity poses with the P2/P1 element, voxels, plan.
+// Design, three gravity poses with the P2/P1 element, voxels, plan, and the pose after surgery.
 #include "phantom/phantom.hpp"
 
 #include "core/error.hpp"
 #include "mechanics/problem.hpp"
 #include "phantom/plan.hpp"
+#include "phantom/scar.hpp"
 #include "phantom/voxelise.hpp"
 
 namespace sanatrix::phantom {
@@ -74,15 +75,15 @@ Phantom make_phantom(const Options& options, const Context& ctx) {
 
   ctx.at(0.05, "prone pose, P2/P1");
   const mechanics::Shape prone = during("phantom prone", [&] {
-    return solver.forward(reference, {0, -g, 0}, nullptr, ctx.part(0.05, 0.3));
+    return solver.forward(reference, {0, -g, 0}, nullptr, ctx.part(0.05, 0.25));
   });
-  ctx.at(0.3, "supine pose, P2/P1");
+  ctx.at(0.25, "supine pose, P2/P1");
   const mechanics::Shape supine = during("phantom supine", [&] {
-    return solver.forward(reference, {0, g, 0}, nullptr, ctx.part(0.3, 0.55));
+    return solver.forward(reference, {0, g, 0}, nullptr, ctx.part(0.25, 0.5));
   });
-  ctx.at(0.55, "upright pose, P2/P1");
+  ctx.at(0.5, "upright pose, P2/P1");
   const mechanics::Shape upright = during("phantom upright", [&] {
-    const Context in_part = ctx.part(0.55, 0.8);
+    const Context in_part = ctx.part(0.5, 0.75);
     // A heavy breast creases at its fold: half of the load first is faster than failing at all of
     // it.
     if (options.volume_cm3 > 900.0) {
@@ -96,12 +97,25 @@ Phantom make_phantom(const Options& options, const Context& ctx) {
   phantom.upright = vertices_of(upright, vertices);
 
   const QuadraticCells cells(body.mesh, solver.edges());
-  phantom.skin = {cells.boundary("skin", reference), cells.boundary("skin", prone.nodes),
-                  cells.boundary("skin", supine.nodes), cells.boundary("skin", upright.nodes)};
   phantom.labels = voxelise(body, anatomy, tissue, cells, reference, prone.nodes, options.voxel_mm,
-                            ctx.part(0.8, 0.97));
-  ctx.at(0.97, "writing the plan");
+                            ctx.part(0.75, 0.85));
+  ctx.at(0.85, "writing the plan");
   phantom.plan_json = plan_json(phantom.labels, anatomy, "phantom-" + std::to_string(options.seed));
+
+  const Context last = ctx.part(0.85, 1.0);
+  Scar scar = during("phantom's surgery", [&] {
+    return scar_of(phantom.plan_json, body.mesh, phantom.prone, solid.tissue, last.part(0.0, 0.3));
+  });
+  phantom.excised_m3 = scar.excised_m3;
+  solver.set_tissue(scar.tissue);
+  const mechanics::Shape after = during("phantom upright after surgery", [&] {
+    return solver.forward(reference, {0, 0, -g}, &upright, last.part(0.3, 1.0));
+  });
+  const auto skin_of = [&](const std::vector<Vec3>& nodes) {
+    return cells.boundary("skin", nodes);
+  };
+  phantom.skin = {skin_of(reference), skin_of(prone.nodes), skin_of(supine.nodes),
+                  skin_of(upright.nodes), skin_of(after.nodes)};
   phantom.mesh = std::move(body.mesh);
   ctx.at(1.0, "done");
   return phantom;

@@ -1,5 +1,5 @@
-// The built-in digital twin: a synthetic patient whose unloaded, supine and upright shapes are
-// known.
+// The built-in digital twin: a synthetic patient whose unloaded, supine and upright shapes, and
+// that after surgery, are known.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +26,7 @@ struct Options {
 /// The skin of the P2 solutions with its curvature: finer than the mesh. [m]
 struct TrueSkin {
   TriMesh unloaded, prone, supine, upright;
+  TriMesh upright_after;  ///< surgery and complete healing (phantom/scar); same vertices
 };
 
 struct Phantom {
@@ -33,6 +34,7 @@ struct Phantom {
   TetMesh mesh;                              ///< the truth's mesh, vertices in the unloaded shape
   std::vector<Vec3> prone, supine, upright;  ///< vertex positions of the P2/P1 solutions [m]
   TrueSkin skin;
+  double excised_m3 = 0.0;             ///< by the plan, of the prone body
   std::vector<double> fibroglandular;  ///< per cell
   std::string plan_json;               ///< as for shared plans, prone frame
 };

@@ -94,6 +94,61 @@ outcome::Torso torso_of(const CaseResult& r, const Skin& skin, const TriMesh& su
   return torso;
 }
 
+/// Published and assumed ends of what a wound may do in three months: the paper's 8 % halved, and
+/// the cavities of Kader et al. 2008 (V/V0 = 0.341 at 80.5 d and 0.146 at 135 d: 0.29 at 90 d).
+std::vector<Contraction> contractions_of(double volume_ratio) {
+  constexpr double least_loss = 0.005;  // below it, proportion has no meaning
+  const double loss = 1 - volume_ratio;
+  if (loss < least_loss) {
+    return {};
+  }
+  std::vector<Contraction> all{
+      {"little", "half of the loss of volume in Vavourakis 2016 (assumed)", 0.96, 0, {}},
+      {"strong",
+       "as the cavities after surgery of Kader 2008, doi:10.1016/j.ijrobp.2008.02.049",
+       0.29,
+       0,
+       {}}};
+  for (Contraction& contraction : all) {
+    contraction.factor = (1 - contraction.volume_ratio) / loss;
+  }
+  return all;
+}
+
+std::vector<Vec3> exaggerated(std::span<const Vec3> before, std::span<const Vec3> after,
+                              double factor) {
+  std::vector<Vec3> points;
+  for (std::size_t v = 0; v < before.size(); ++v) {
+    points.push_back(before[v] + factor * (after[v] - before[v]));
+  }
+  return points;
+}
+
+/// Smallest and largest change over the case and its contractions.
+json change_range(const Cosmetics& c, std::size_t metric) {
+  const outcome::Metric& own = c.metrics[metric];
+  if (!own.change || c.contractions.empty()) {
+    return nullptr;
+  }
+  double low = *own.change, high = *own.change;
+  for (const Contraction& contraction : c.contractions) {
+    low = std::min(low, contraction.metrics[metric].change.value_or(low));
+    high = std::max(high, contraction.metrics[metric].change.value_or(high));
+  }
+  return {{"low", low}, {"high", high}};
+}
+
+json contractions_json(const Cosmetics& c) {
+  json list = json::array();
+  for (const Contraction& contraction : c.contractions) {
+    list.push_back({{"key", contraction.key},
+                    {"meaning", contraction.meaning},
+                    {"volume_ratio", contraction.volume_ratio},
+                    {"displacement_factor", contraction.factor}});
+  }
+  return list;
+}
+
 json optional(const std::optional<double>& value) {
   return value ? json(*value) : json(nullptr);
 }
@@ -129,6 +184,16 @@ Cosmetics cosmetics_of(const CaseResult& r, const Skin& skin) {
   // The chest does not move: one frame serves both poses.
   c.frame = outcome::body_frame(c.question.before, {1, 0, 0});
   c.metrics = outcome::cosmetic_metrics(c.question, c.frame);
+  c.contractions = contractions_of(r.history.back().volume_ratio);
+  for (Contraction& contraction : c.contractions) {
+    outcome::Question q = c.question;
+    TriMesh surface = skin.before.mesh;
+    surface.points = exaggerated(skin.before.mesh.points, skin.after.points, contraction.factor);
+    q.after = torso_of(r, skin, surface,
+                       exaggerated(r.points(r.before), r.points(r.after), contraction.factor),
+                       origin, fold);
+    contraction.metrics = outcome::cosmetic_metrics(q, c.frame);
+  }
   c.chance_bra_above_26mm = outcome::chance_of_bra_above(c.question, c.frame, 26.0);
   const auto grade = [&](const outcome::Torso& torso) {
     auto values = outcome::shape_indices(torso, c.frame, c.question.treated);
@@ -137,12 +202,17 @@ Cosmetics cosmetics_of(const CaseResult& r, const Skin& skin) {
   };
   c.ptosis_before = grade(c.question.before);
   c.ptosis_after = grade(c.question.after);
+  c.ptosis_chances_before =
+      outcome::chances_of_ptosis(c.question.before, c.frame, c.question.treated);
+  c.ptosis_chances_after =
+      outcome::chances_of_ptosis(c.question.after, c.frame, c.question.treated);
   return c;
 }
 
 json cosmetics_json(const Cosmetics& c) {
   json list = json::array();
-  for (const outcome::Metric& m : c.metrics) {
+  for (std::size_t i = 0; i < c.metrics.size(); ++i) {
+    const outcome::Metric& m = c.metrics[i];
     list.push_back({{"key", m.key},
                     {"name", m.name},
                     {"unit", m.unit},
@@ -150,6 +220,7 @@ json cosmetics_json(const Cosmetics& c) {
                     {"before", optional(m.before)},
                     {"after", optional(m.after)},
                     {"change", optional(m.change)},
+                    {"change_range", change_range(c, i)},
                     {"before_range", range(m.before_range)},
                     {"after_range", range(m.after_range)},
                     {"noise_floor", m.noise_floor},
@@ -160,7 +231,12 @@ json cosmetics_json(const Cosmetics& c) {
   }
   return {{"metrics", list},
           {"chance_bra_above_26mm", c.chance_bra_above_26mm},
-          {"ptosis_treated", {{"before", c.ptosis_before}, {"after", c.ptosis_after}}},
+          {"ptosis_treated",
+           {{"before", c.ptosis_before},
+            {"after", c.ptosis_after},
+            {"chances_before", c.ptosis_chances_before},
+            {"chances_after", c.ptosis_chances_after}}},
+          {"contractions", contractions_json(c)},
           {"sternal_notch_known", c.question.notch_known},
           {"fold_known", c.question.folds_known},
           {"not_predicted", {"colour and scar indices of BCCT.core", "Harvard class"}}};
@@ -168,16 +244,22 @@ json cosmetics_json(const Cosmetics& c) {
 
 std::string cosmetics_csv(const Cosmetics& c) {
   std::string text =
-      "key,name,unit,before,after,change,before_sd,after_sd,noise_floor,below_noise,reference,"
+      "key,name,unit,before,after,change,change_low,change_high,before_sd,after_sd,noise_floor,"
+      "below_noise,reference,"
       "source\n";
   const auto number = [](const std::optional<double>& x) {
     return x ? fmt::format("{:.3f}", *x) : std::string();
   };
-  for (const outcome::Metric& m : c.metrics) {
+  for (std::size_t i = 0; i < c.metrics.size(); ++i) {
+    const outcome::Metric& m = c.metrics[i];
+    const json likely = change_range(c, i);
+    const auto end = [&](const char* which) {
+      return likely.is_null() ? std::string() : fmt::format("{:.3f}", likely[which].get<double>());
+    };
     text +=
-        fmt::format("{},{},{},{},{},{},{},{},{:.3f},{},{},{}\n", m.key, quoted(m.name), m.unit,
-                    number(m.before), number(m.after), number(m.change),
-                    m.before_range ? fmt::format("{:.3f}", m.before_range->sd) : "",
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{:.3f},{},{},{}\n", m.key, quoted(m.name),
+                    m.unit, number(m.before), number(m.after), number(m.change), end("low"),
+                    end("high"), m.before_range ? fmt::format("{:.3f}", m.before_range->sd) : "",
                     m.after_range ? fmt::format("{:.3f}", m.after_range->sd) : "", m.noise_floor,
                     m.is_noise ? "yes" : "no", quoted(m.reference), quoted(m.source));
   }

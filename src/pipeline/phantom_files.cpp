@@ -1,11 +1,14 @@
 #include "pipeline/phantom_files.hpp"
 
+#include <tuple>
+
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
 #include "core/files.hpp"
 #include "io/image_file.hpp"
 #include "outcome/outcome.hpp"
+#include "outcome/scan_target.hpp"
 #include "pipeline/artefacts.hpp"
 
 namespace sanatrix::pipeline {
@@ -29,13 +32,15 @@ json half_volumes(const phantom::Phantom& p, std::span<const Vec3> points) {
           {"L", {{"model", half[1]}, {"fibroglandular", fibroglandular[1]}}}};
 }
 
-/// The case's skin over both breasts, from cells that belong to a breast.
-TriMesh breast_skin(const meshing::BreastModel& model, std::span<const Vec3> pose) {
+/// The case's skin over both breasts (`side` 0) or one (-1 right, 1 left), from cells that belong
+/// to a breast.
+TriMesh breast_skin(const meshing::BreastModel& model, std::span<const Vec3> pose, int side) {
   std::vector<bool> used(model.mesh.points.size(), false);
   for (std::size_t c = 0; c < model.mesh.cells.size(); ++c) {
     for (const int vertex : model.mesh.cells[c]) {
       used[static_cast<std::size_t>(vertex)] =
-          used[static_cast<std::size_t>(vertex)] || model.in_breast[c];
+          used[static_cast<std::size_t>(vertex)] ||
+          (model.in_breast[c] && (side == 0 || model.side[c] == side));
     }
   }
   TetMesh breasts = model.mesh;
@@ -45,6 +50,73 @@ TriMesh breast_skin(const meshing::BreastModel& model, std::span<const Vec3> pos
              used[static_cast<std::size_t>(face.vertex[2])]);
   });
   return extract_surface(breasts, pose, {"skin"}).mesh;
+}
+
+double largest_change_mm(const phantom::TrueSkin& skin) {
+  double largest = 0.0;
+  for (std::size_t v = 0; v < skin.upright.points.size(); ++v) {
+    largest = std::max(largest, norm(skin.upright_after.points[v] - skin.upright.points[v]));
+  }
+  return 1e3 * largest;
+}
+
+TriMesh truth_of(const fs::path& phantom_folder, const std::string& name) {
+  return io::read_surface_vtp(phantom_folder / "truth" / (name + "_skin.vtp"));
+}
+
+PoseScore pose_score(const std::string& name, const TriMesh& skin, const TriMesh& truth) {
+  const outcome::SurfaceDistance d = outcome::surface_distance(skin, truth);
+  return {name, 1e3 * d.mean, 1e3 * d.p50, 1e3 * d.p90, 1e3 * d.p95, 1e3 * d.max};
+}
+
+/// Why the case's result after surgery and the truth are of two different operations, or nothing.
+std::string other_operation(const Case& patient, const fs::path& phantom_folder) {
+  if (!patient.has_plan()) {
+    return "the case has no plan";
+  }
+  if (!fs::exists(patient.stage_folder(Stage::Upright) / "after.bin")) {
+    return "the case has not been run to the upright pose after surgery";
+  }
+  if (!fs::exists(phantom_folder / "truth/upright_after_skin.vtp")) {
+    return "the phantom was written before its shape after surgery was part of the truth";
+  }
+  const surgery::Plan ours = patient.plan();
+  const surgery::Plan theirs =
+      surgery::read_plan(read_text(phantom_folder / "plan.json"), "plan.json");
+  const auto shape = [](const surgery::Plan& p) {
+    return std::tuple(p.side, p.frame, p.tumour_centre, p.tumour_radius, p.margin, p.clearance,
+                      p.radius, p.axis, p.outline);
+  };
+  return shape(ours) == shape(theirs) ? "" : "the case's plan is not the phantom's";
+}
+
+/// Over the skin of the treated breast, from the case's vertices to the truth beside them.
+ChangeScore change_score(const meshing::BreastModel& model, int side, std::span<const Vec3> before,
+                         std::span<const Vec3> after, const TriMesh& true_before,
+                         const TriMesh& true_after) {
+  const TriMesh skin = breast_skin(model, before, side), later = breast_skin(model, after, side);
+  const SurfaceTree tree(true_before);
+  std::vector<double> wanted, found, error;
+  for (std::size_t v = 0; v < skin.points.size(); ++v) {
+    const SurfaceTree::Hit hit = tree.closest(skin.points[v]);
+    const std::array<double, 3> w = outcome::weights_in(true_before, hit.triangle, hit.point);
+    Vec3 moved{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto corner = static_cast<std::size_t>(
+          true_before.triangles[static_cast<std::size_t>(hit.triangle)][k]);
+      moved += w[k] * (true_after.points[corner] - true_before.points[corner]);
+    }
+    const Vec3 predicted = later.points[v] - skin.points[v];
+    wanted.push_back(norm(moved));
+    found.push_back(norm(predicted));
+    error.push_back(norm(predicted - moved));
+  }
+  const std::vector<double> areas = outcome::vertex_areas(skin);
+  const auto of_wanted = outcome::statistics(wanted, areas);
+  const auto of_found = outcome::statistics(found, areas);
+  const auto of_error = outcome::statistics(error, areas);
+  return {1e3 * of_wanted.mean, 1e3 * of_wanted.max, 1e3 * of_found.mean, 1e3 * of_found.max,
+          1e3 * of_error.mean,  1e3 * of_error.p95,  1e3 * of_error.max};
 }
 
 }  // namespace
@@ -66,9 +138,10 @@ std::string write_phantom(const phantom::Phantom& p, const phantom::Options& opt
   for (const auto& [name, skin] : {std::pair{"unloaded", &p.skin.unloaded},
                                    {"prone", &p.skin.prone},
                                    {"supine", &p.skin.supine},
-                                   {"upright", &p.skin.upright}}) {
+                                   {"upright", &p.skin.upright},
+                                   {"upright_after", &p.skin.upright_after}}) {
     io::write_vtp(*skin, {}, truth / fmt::format("{}_skin.vtp", name), io::LengthUnit::Millimetre);
-    // Also as what a surface camera would deliver, for --scan.
+    // Also as what a surface camera would deliver, for --scan and --followup.
     io::write_surface(*skin, truth / fmt::format("{}_skin.ply", name));
   }
   static const std::array density{"fatty", "scattered", "heterogeneous", "dense"};
@@ -77,33 +150,42 @@ std::string write_phantom(const phantom::Phantom& p, const phantom::Options& opt
                {"density", density[static_cast<std::size_t>(options.density)]},
                {"unloaded_cm3", half_volumes(p, p.mesh.points)},
                {"prone_cm3", half_volumes(p, p.prone)},
+               {"excised_cm3", 1e6 * p.excised_m3},
+               {"upright_after_max_mm", largest_change_mm(p.skin)},
                {"mesh", {{"vertices", p.mesh.points.size()}, {"cells", p.mesh.cells.size()}}}};
   const std::string text = j.dump(2) + "\n";
   write_text(truth / "truth.json", text);
   return text;
 }
 
-std::vector<PoseScore> score(const Case& patient, const fs::path& phantom_folder) {
-  struct Pose {
-    std::string name;
-    Stage stage;
-    std::string file;
-  };
-  const std::vector<Pose> poses{{"unloaded", Stage::Unload, "shape.bin"},
-                                {"supine", Stage::Supine, "shape.bin"},
-                                {"upright", Stage::Upright, "before.bin"}};
+Score score(const Case& patient, const fs::path& phantom_folder) {
   const meshing::BreastModel model = load_model(patient.stage_folder(Stage::Mesh) / "model.bin");
-  const auto measure = [&](const std::string& name, std::span<const Vec3> pose) {
-    const TriMesh truth = io::read_surface_vtp(phantom_folder / "truth" / (name + "_skin.vtp"));
-    const outcome::SurfaceDistance d = outcome::surface_distance(breast_skin(model, pose), truth);
-    return PoseScore{name, 1e3 * d.mean, 1e3 * d.p50, 1e3 * d.p90, 1e3 * d.p95, 1e3 * d.max};
+  const auto load = [&](Stage stage, const char* file) {
+    return load_shape(patient.stage_folder(stage) / file);
   };
-  std::vector<PoseScore> scores{measure("prone", model.mesh.points)};
-  for (const Pose& pose : poses) {
-    const SolvedShape solved = load_shape(patient.stage_folder(pose.stage) / pose.file);
-    scores.push_back(measure(pose.name, vertices(model.mesh, solved.shape)));
+  Score result;
+  const auto add = [&](const std::string& name, const std::string& truth,
+                       std::span<const Vec3> pose) {
+    result.poses.push_back(
+        pose_score(name, breast_skin(model, pose, 0), truth_of(phantom_folder, truth)));
+  };
+  const SolvedShape unloaded = load(Stage::Unload, "shape.bin");
+  const SolvedShape supine = load(Stage::Supine, "shape.bin");
+  const SolvedShape before = load(Stage::Upright, "before.bin");
+  add("prone", "prone", model.mesh.points);
+  add("unloaded", "unloaded", vertices(model.mesh, unloaded.shape));
+  add("supine", "supine", vertices(model.mesh, supine.shape));
+  add("upright", "upright", vertices(model.mesh, before.shape));
+  result.note = other_operation(patient, phantom_folder);
+  if (result.note.empty()) {
+    const SolvedShape after = load(Stage::Upright, "after.bin");
+    add("upright after surgery", "upright_after", vertices(model.mesh, after.shape));
+    result.change = change_score(
+        model, patient.plan().side == surgery::Side::Left ? 1 : -1,
+        vertices(model.mesh, before.shape), vertices(model.mesh, after.shape),
+        truth_of(phantom_folder, "upright"), truth_of(phantom_folder, "upright_after"));
   }
-  return scores;
+  return result;
 }
 
 }  // namespace sanatrix::pipeline

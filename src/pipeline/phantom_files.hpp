@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "phantom/phantom.hpp"
 #include "pipeline/case.hpp"
@@ -18,6 +20,18 @@ struct PoseScore {
   std::string pose;  ///< "unloaded"
   double mean_mm, p50_mm, p90_mm, p95_mm, max_mm;
 };
-std::vector<PoseScore> score(const Case& patient, const std::filesystem::path& phantom_folder);
+/// How well surgery and healing move the skin of the treated breast, standing: displacement from
+/// before to after, true and predicted, and the length of their difference [mm].
+struct ChangeScore {
+  double true_mean_mm, true_max_mm, predicted_mean_mm, predicted_max_mm;
+  double error_mean_mm, error_p95_mm, error_max_mm;
+};
+struct Score {
+  std::vector<PoseScore> poses;  ///< the last one "upright after surgery" when it can be compared
+  std::optional<ChangeScore> change;
+  std::string note;  ///< why there is no comparison after surgery; else empty
+};
+/// Error{Input} when the case or the truth cannot be read.
+Score score(const Case& patient, const std::filesystem::path& phantom_folder);
 
 }  // namespace sanatrix::pipeline

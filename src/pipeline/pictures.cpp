@@ -4,15 +4,15 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/level_set.hpp"
-#include "pipeline/result.hpp"
+#include "pipeline/wound_view.hpp"
 #include "render/render.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::array<double, 3> wound_red{0.75, 0.15, 0.15};
+constexpr std::array<double, 3> wound_red{0.75, 0.15, 0.15}, tumour_violet{0.35, 0.05, 0.45},
+    line_blue{0.0, 0.3, 0.65};
 
 TriMesh skin_of(const CaseResult& r, const SolvedShape& pose) {
   return extract_surface(r.model.mesh, r.points(pose), {"skin"}).mesh;
@@ -58,22 +58,28 @@ void write_poses(const CaseResult& r, const fs::path& file) {
   render::write_picture(panels, 4, file, 420, 380);
 }
 
-/// Where half of the tissue is removed.
-TriMesh wound_surface(const CaseResult& r, std::span<const Vec3> pose) {
-  return level_set(r.model.mesh, pose, to_vertices(r.model.mesh, pose, r.wound.fraction), 0.5);
-}
-
+/// Fig 4: tumour, planned cylinder and the elements that are removed.
 void write_plan(const CaseResult& r, const fs::path& file) {
-  const std::span<const Vec3> pose = r.points(r.supine);
+  const PlanShapes shapes = plan_shapes(r);
   render::Actor skin = actor(skin_of(r, r.supine));
-  skin.opacity = 0.35;
-  render::Actor wound = actor(wound_surface(r, pose));
-  wound.colour = wound_red;
-  std::vector<render::Panel> panels;
-  for (const render::View view : {render::View::Front, operated_view(r), operated_profile(r)}) {
-    panels.push_back(panel({wound, skin}, view, "plan (supine): " + side_words(r)));
-  }
-  render::write_picture(panels, 3, file);
+  skin.opacity = 0.3;
+  render::Actor tumour = actor(shapes.tumour);
+  tumour.colour = tumour_violet;
+  render::Actor planned = actor(shapes.planned);
+  planned.colour = line_blue;
+  planned.wireframe = true;
+  render::Actor resected = actor(shapes.resected);
+  resected.colour = wound_red;
+  resected.opacity = 0.35;
+  render::Actor edges = resected;
+  edges.opacity = 0.25;
+  edges.colour = {0.45, 0.08, 0.08};
+  edges.wireframe = true;
+  const std::vector<render::Actor> actors{tumour, planned, edges, resected, skin};
+  render::write_picture({panel(actors, render::View::Front, "plan (supine): " + side_words(r)),
+                         panel(actors, operated_view(r), "violet: tumour, blue: planned cylinder"),
+                         panel(actors, operated_profile(r), "red: resected elements")},
+                        3, file);
 }
 
 /// Colour range in which one species moves, over all frames.
@@ -84,42 +90,7 @@ std::pair<double, double> range_of(const CaseResult& r, std::size_t species) {
       high = std::max(high, frame.species[i]);
     }
   }
-  return {0.0, high > 0 ? high : 1.0};
-}
-
-Vec3 wound_centre(const CaseResult& r, std::span<const Vec3> pose) {
-  const std::vector<double> volume = cell_volumes(r.model.mesh, pose);
-  Vec3 centre{};
-  double total = 0.0;
-  for (std::size_t c = 0; c < volume.size(); ++c) {
-    const double weight = volume[c] * r.wound.fraction[c];
-    for (const int vertex : r.model.mesh.cells[c]) {
-      centre += 0.25 * weight * pose[static_cast<std::size_t>(vertex)];
-    }
-    total += weight;
-  }
-  return (1.0 / total) * centre;
-}
-
-/// The operated side around the wound, so that the wound fills its picture.
-TetMesh surroundings(const CaseResult& r) {
-  constexpr double reach = 0.07;  // [m]
-  const std::span<const Vec3> pose = r.points(r.supine);
-  const Vec3 centre = wound_centre(r, pose);
-  TetMesh part = r.model.mesh;
-  part.cells.clear();
-  part.region.clear();
-  for (std::size_t c = 0; c < r.model.mesh.cells.size(); ++c) {
-    const auto& cell = r.model.mesh.cells[c];
-    const bool near = std::ranges::all_of(cell, [&](int vertex) {
-      return norm(pose[static_cast<std::size_t>(vertex)] - centre) < reach;
-    });
-    if (near && r.model.side[c] == r.side()) {
-      part.cells.push_back(cell);
-      part.region.push_back(r.model.mesh.region[c]);
-    }
-  }
-  return part;
+  return {0.0, render::nice_top(high)};
 }
 
 std::vector<const Frame*> snapshots(const CaseResult& r) {
@@ -136,7 +107,8 @@ std::vector<const Frame*> snapshots(const CaseResult& r) {
 }
 
 void write_species(const CaseResult& r, const fs::path& file) {
-  const TetMesh part = surroundings(r);
+  constexpr double window_m = 0.055;
+  const TetMesh part = cells_near_wound(r, window_m);
   const std::vector<const Frame*> frames = snapshots(r);
   std::vector<render::CutPanel> panels;
   for (std::size_t s = 0; s < r.species.size(); ++s) {
@@ -151,10 +123,11 @@ void write_species(const CaseResult& r, const fs::path& file) {
                         .scalar = std::move(values),
                         .plane_point = wound_centre(r, frame->points),
                         .plane_normal = {0, 0, 1},
-                        .title = fmt::format("{}, day {:g}", r.species[s].key, frame->t_day),
+                        .title = fmt::format("day {:g}", frame->t_day),
                         .bar_title = r.species[s].label + " [-]",
                         .bar_min = low,
-                        .bar_max = high});
+                        .bar_max = high,
+                        .window_m = window_m});
     }
   }
   render::write_cuts(panels, static_cast<int>(frames.size()), file, 320, 280);
@@ -190,19 +163,28 @@ void write_displacement(const CaseResult& r, const fs::path& file) {
     after.scalar.push_back(1e3 * norm(after.arrows.back()));
     high = std::max(high, after.scalar.back());
   }
+  // The longest arrow is to be about as long as an areola is wide.
+  constexpr double wanted_mm = 25.0;
+  for (const double scale : {2.0, 5.0, 10.0, 20.0, 50.0}) {
+    after.arrow_scale = high * scale <= wanted_mm ? scale : after.arrow_scale;
+  }
   std::vector<render::Panel> panels;
   for (const render::View view : {render::View::Front, operated_view(r)}) {
     panels.push_back(panel({actor(skin_of(r, r.before))}, view, "upright before surgery"));
-    panels.push_back(panel({after}, view, "upright after healing: " + side_words(r)));
+    panels.push_back(panel({after}, view,
+                           view == render::View::Front
+                               ? "after healing: " + side_words(r)
+                               : fmt::format("arrows {:g} times as long", after.arrow_scale)));
     panels.back().bar_title = "displacement [mm]";
-    panels.back().bar_max = std::max(high, 0.1);
+    panels.back().bar_max = render::nice_top(high);
   }
   render::write_picture(panels, 2, file);
 }
 
 }  // namespace
 
-std::optional<std::string> write_pictures(const CaseResult& result, const fs::path& folder) {
+std::optional<std::string> write_pictures(const CaseResult& result, const fs::path& folder,
+                                          const Context& ctx) {
   // Two shares of about equal time: most machines have two cores to spare.
   const std::vector<std::function<void()>> shares{
       [&] {
@@ -214,7 +196,7 @@ std::optional<std::string> write_pictures(const CaseResult& result, const fs::pa
         write_histories(result, folder);
         write_displacement(result, folder / "fig7_displacement.png");
       }};
-  return render::with_display(shares);
+  return render::with_display(shares, ctx);
 }
 
 }  // namespace sanatrix::pipeline

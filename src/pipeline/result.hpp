@@ -25,7 +25,8 @@ struct CaseResult {
 CaseResult load_result(const Case& patient);
 
 /// Pictures of the paper's figures into a folder. Returns the reason when none could be made.
+/// Throws Cancelled.
 std::optional<std::string> write_pictures(const CaseResult& result,
-                                          const std::filesystem::path& folder);
+                                          const std::filesystem::path& folder, const Context& ctx);
 
 }  // namespace sanatrix::pipeline

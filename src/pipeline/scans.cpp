@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -219,6 +220,16 @@ ObservedChange observe(const CaseResult& r, const PreopScan& preop, const TriMes
   };
   change.operated = of_side(r.side());
   change.other = of_side(-r.side());
+  constexpr double least_cosine = 0.3;
+  change.operated_straight_back_m = std::numeric_limits<double>::quiet_NaN();
+  if (change.operated.vertex >= 0) {
+    const Vec3 anterior{0, -1, 0};
+    const double cosine =
+        dot(vertex_normals(before)[static_cast<std::size_t>(change.operated.vertex)], anterior);
+    if (cosine > least_cosine) {
+      change.operated_straight_back_m = change.operated.depth_m / cosine;
+    }
+  }
   return change;
 }
 
@@ -333,6 +344,9 @@ json scans_json(const Scans& scans) {
   if (scans.observed) {
     j["observed_retraction"] = {{"operated_breast", to_json(scans.observed->operated)},
                                 {"other_breast", to_json(scans.observed->other)}};
+    const double back = scans.observed->operated_straight_back_m;
+    j["observed_retraction"]["operated_breast"]["depth_straight_back_mm"] =
+        std::isfinite(back) ? json(1e3 * back) : json(nullptr);
   }
   return j;
 }

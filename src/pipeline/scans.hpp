@@ -52,6 +52,9 @@ struct FollowupScan {
 struct ObservedChange {
   std::vector<double> inward;  ///< per point of the scan before surgery [m]
   outcome::Retraction operated, other;
+  /// At the deepest place of the operated breast, straight towards the back instead of along the
+  /// skin's normal [m]; NaN where the skin faces sideways.
+  double operated_straight_back_m = 0.0;
 };
 
 struct Scans {

@@ -177,7 +177,7 @@ StageNotes run_outcome(const StageInput& in) {
   StageNotes notes;
   if (in.parameters().text("outcome.pictures") == "yes") {
     in.ctx.at(0.5, "pictures");
-    if (const auto reason = write_pictures(result, in.out)) {
+    if (const auto reason = write_pictures(result, in.out, in.ctx)) {
       notes.warnings.push_back("no pictures: " + *reason);
     }
   }

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <vtkActor.h>
+#include <vtkBox.h>
 #include <vtkCellArray.h>
 #include <vtkClipPolyData.h>
 #include <vtkCutter.h>
@@ -47,13 +48,33 @@ vtkNew<vtkUnstructuredGrid> grid_of(const CutPanel& panel) {
   return grid;
 }
 
-void add_cut_face(vtkRenderer& scene, vtkUnstructuredGrid& grid, vtkPlane& plane,
+/// What lies within the panel's window.
+vtkSmartPointer<vtkPolyData> within(vtkPolyData* data, const CutPanel& panel) {
+  if (panel.window_m <= 0) {
+    return data;
+  }
+  const Vec3 reach{panel.window_m, panel.window_m, panel.window_m};
+  const Vec3 low = panel.plane_point - reach, high = panel.plane_point + reach;
+  vtkNew<vtkBox> box;
+  box->SetXMin(low[0], low[1], low[2]);
+  box->SetXMax(high[0], high[1], high[2]);
+  vtkNew<vtkClipPolyData> inside;
+  inside->SetInputData(data);
+  inside->SetClipFunction(box);
+  inside->InsideOutOn();
+  inside->Update();
+  return inside->GetOutput();
+}
+
+void add_cut_face(vtkRenderer& scene, const CutPanel& panel, vtkPlane& plane,
                   vtkLookupTable& colours) {
+  const auto grid = grid_of(panel);
   vtkNew<vtkCutter> cutter;
-  cutter->SetInputData(&grid);
+  cutter->SetInputData(grid);
   cutter->SetCutFunction(&plane);
+  cutter->Update();
   vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputConnection(cutter->GetOutputPort());
+  mapper->SetInputData(within(cutter->GetOutput(), panel));
   mapper->SetLookupTable(&colours);
   mapper->UseLookupTableScalarRangeOn();
   mapper->InterpolateScalarsBeforeMappingOn();
@@ -90,11 +111,12 @@ class Rest {
     behind->SetClipFunction(&plane);
     behind->InsideOutOn();  // the plane's normal points to the viewer
     behind->Update();
-    clipped_ = behind->GetOutput();
+    clipped_ = within(behind->GetOutput(), panel);
   }
   [[nodiscard]] bool serves(const CutPanel& panel) const {
     return panel.mesh == panel_->mesh && panel.plane_point == panel_->plane_point &&
-           panel.plane_normal == panel_->plane_normal && panel.points == panel_->points;
+           panel.plane_normal == panel_->plane_normal && panel.window_m == panel_->window_m &&
+           panel.points == panel_->points;
   }
   void add_to(vtkRenderer& scene) const {
     vtkNew<vtkPolyDataMapper> mapper;
@@ -124,12 +146,11 @@ void write_cuts(const std::vector<CutPanel>& panels, int columns, const std::fil
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const CutPanel& panel = panels[i];
     const Viewpoint viewpoint = viewpoint_of_cut(panel.plane_normal);
-    const auto grid = grid_of(panel);
     vtkNew<vtkPlane> plane;
     plane->SetOrigin(panel.plane_point.data());
     plane->SetNormal(viewpoint.towards_viewer.data());
     const auto colours = lookup_table(Map::Sequential, panel.bar_min, panel.bar_max);
-    add_cut_face(sheet.scene(i), *grid, *plane, *colours);
+    add_cut_face(sheet.scene(i), panel, *plane, *colours);
     const auto known =
         std::find_if(rests.begin(), rests.end(), [&](const Rest& r) { return r.serves(panel); });
     const Rest& rest = known != rests.end() ? *known : rests.emplace_back(panel, *plane);

@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::seconds;
 
 constexpr seconds start_limit{20};  // Xvfb starts within a second on a quiet machine
-constexpr seconds draw_limit{300};  // software rendering of a report takes tens of seconds
+constexpr int pulse_ms = 50;        // how long a stop request waits
 
 /// Both ends of a pipe; none of them leaks into programs that are started.
 class Pipe {
@@ -72,6 +72,8 @@ class Child {
     if (pid_ == 0) {
       // When the caller is killed the child must go too; it may be gone already.
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      // A terminal's Ctrl-C is the caller's, who ends this child when it is time.
+      ::setpgid(0, 0);
       forget_signal_handlers();
       if (::getppid() != parent_) {
         ::_exit(1);
@@ -117,15 +119,20 @@ class Child {
 };
 
 /// Everything that is written before all writers close, or nothing when that takes too long.
-std::optional<std::string> read_until_closed(int reading, seconds limit, char last = '\0') {
+/// Throws Cancelled.
+std::optional<std::string> read_until_closed(int reading, seconds limit, const Context& ctx,
+                                             char last = '\0') {
   const auto end = Clock::now() + limit;
   std::string text;
   while (last == '\0' || !text.ends_with(last)) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+    ctx.detail(0.0, {});  // throws Cancelled
     pollfd waiting{reading, POLLIN, 0};
-    const int ready = ::poll(&waiting, 1, static_cast<int>(std::max<long>(left.count(), 0)));
+    const int ready = ::poll(&waiting, 1, pulse_ms);
     if (ready == 0) {
-      return std::nullopt;
+      if (Clock::now() > end) {
+        return std::nullopt;
+      }
+      continue;
     }
     std::array<char, 4096> block;
     const ssize_t count = ready > 0 ? ::read(reading, block.data(), block.size()) : -1;
@@ -184,10 +191,10 @@ class Painter {
     report_.close_writing();
   }
   /// Waits for the end; why it did not succeed, or nothing.
-  std::optional<std::string> problem() {
-    const auto said = read_until_closed(report_.reading(), draw_limit);
+  std::optional<std::string> problem(const Context& ctx, seconds limit) {
+    const auto said = read_until_closed(report_.reading(), limit, ctx);
     if (!said) {
-      return fmt::format("drawing took more than {} s", draw_limit.count());
+      return fmt::format("drawing took more than {} s", limit.count());
     }
     if (!child_.exited_within(seconds{5}) || !child_.succeeded()) {
       return "the graphics stack failed: " + (said->empty() ? child_.end() : one_line(*said));
@@ -202,11 +209,12 @@ class Painter {
 
 }  // namespace
 
-std::optional<std::string> with_display(const std::vector<std::function<void()>>& shares) {
+std::optional<std::string> with_display(const std::vector<std::function<void()>>& shares,
+                                        const Context& ctx, seconds limit) {
   Pipe number;
   Child xvfb([&] { become_xvfb(number); });
   number.close_writing();
-  const auto display = read_until_closed(number.reading(), start_limit, '\n');
+  const auto display = read_until_closed(number.reading(), start_limit, ctx, '\n');
   if (!display || display->empty()) {
     return "no off-screen display could be started - install Xvfb (Debian package xvfb)";
   }
@@ -218,15 +226,16 @@ std::optional<std::string> with_display(const std::vector<std::function<void()>>
   }
   std::optional<std::string> first_problem;
   for (const auto& painter : painters) {
-    if (const auto problem = painter->problem(); problem && !first_problem) {
+    if (const auto problem = painter->problem(ctx, limit); problem && !first_problem) {
       first_problem = problem;
     }
   }
   return first_problem;
 }
 
-std::optional<std::string> with_display(const std::function<void()>& work) {
-  return with_display(std::vector{work});
+std::optional<std::string> with_display(const std::function<void()>& work, const Context& ctx,
+                                        seconds limit) {
+  return with_display(std::vector{work}, ctx, limit);
 }
 
 }  // namespace sanatrix::render

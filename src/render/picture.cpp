@@ -29,7 +29,7 @@
 namespace sanatrix::render {
 namespace {
 
-constexpr double shortest_arrow_m = 0.0005;
+constexpr double shortest_share = 0.1;  // of the longest arrow
 
 vtkNew<vtkDoubleArray> vtk_vectors(const std::vector<Vec3>& values) {
   vtkNew<vtkDoubleArray> array;
@@ -105,6 +105,9 @@ void add_surface(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours
   vtkProperty& look = *prop->GetProperty();
   look.SetColor(actor.colour[0], actor.colour[1], actor.colour[2]);
   look.SetOpacity(actor.opacity);
+  if (actor.opacity < 1.0) {
+    look.BackfaceCullingOn();  // the far side would only darken what is seen through the near one
+  }
   look.SetAmbient(actor.scalar.empty() ? 0.15 : 0.45);  // colours that carry numbers stay readable
   look.SetDiffuse(actor.scalar.empty() ? 0.85 : 0.55);
   if (actor.photograph) {
@@ -134,10 +137,11 @@ std::vector<std::size_t> chosen_arrows(const Actor& actor) {
   for (const Vec3& arrow : actor.arrows) {
     longest_m = std::max(longest_m, norm(arrow));
   }
-  const double spacing = std::max(diagonal(actor.surface.points) / 28, 0.5 * longest_m);
+  const double spacing =
+      std::max(diagonal(actor.surface.points) / 28, 0.5 * actor.arrow_scale * longest_m);
   std::map<std::array<long, 3>, std::size_t> longest;
   for (std::size_t i = 0; i < actor.arrows.size(); ++i) {
-    if (norm(actor.arrows[i]) < shortest_arrow_m) {
+    if (norm(actor.arrows[i]) < shortest_share * longest_m) {
       continue;
     }
     std::array<long, 3> cube;
@@ -156,19 +160,19 @@ std::vector<std::size_t> chosen_arrows(const Actor& actor) {
   return chosen;
 }
 
-/// Arrows of true length, coloured by it in millimetres.
-void add_arrows(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours) {
+/// Dark on every colour of the surface, and never inside it.
+void add_arrows(vtkRenderer& scene, const Actor& actor) {
+  const std::vector<Vec3> normals = vertex_normals(actor.surface);
   std::vector<Vec3> feet, vectors;
-  vtkNew<vtkDoubleArray> millimetres;
   for (const std::size_t i : chosen_arrows(actor)) {
-    feet.push_back(actor.surface.points[i]);
-    vectors.push_back(actor.arrows[i]);
-    millimetres->InsertNextValue(1e3 * norm(actor.arrows[i]));
+    const Vec3 vector = actor.arrow_scale * actor.arrows[i];
+    const bool inward = dot(vector, normals[i]) < 0;
+    feet.push_back(actor.surface.points[i] - (inward ? 1.0 : 0.0) * vector);
+    vectors.push_back(vector);
   }
   vtkNew<vtkPolyData> data;
   data->SetPoints(vtk_points(feet));
   data->GetPointData()->SetVectors(vtk_vectors(vectors));
-  data->GetPointData()->SetScalars(millimetres);
   vtkNew<vtkArrowSource> shape;
   shape->SetTipResolution(16);
   shape->SetShaftResolution(12);
@@ -179,16 +183,13 @@ void add_arrows(vtkRenderer& scene, const Actor& actor, vtkLookupTable& colours)
   glyphs->SetSourceConnection(shape->GetOutputPort());
   glyphs->SetVectorModeToUseVector();
   glyphs->SetScaleModeToScaleByVector();
-  glyphs->SetColorModeToColorByScalar();
   glyphs->SetScaleFactor(1.0);
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputConnection(glyphs->GetOutputPort());
-  mapper->SetLookupTable(&colours);
-  mapper->UseLookupTableScalarRangeOn();
+  mapper->ScalarVisibilityOff();
   vtkNew<vtkActor> prop;
   prop->SetMapper(mapper);
-  prop->GetProperty()->SetAmbient(0.45);
-  prop->GetProperty()->SetDiffuse(0.55);
+  prop->GetProperty()->SetColor(0.12, 0.12, 0.12);
   scene.AddActor(prop);
 }
 
@@ -219,6 +220,19 @@ std::vector<Actor> textured(const TexturedSurface& surface) {
   return {photographed, plain};
 }
 
+double nice_top(double high) {
+  if (!(high > 0)) {
+    return 1.0;
+  }
+  const double power = std::pow(10.0, std::floor(std::log10(high)));
+  for (const double digits : {1.0, 1.2, 1.6, 2.0, 2.4, 3.0, 4.0, 5.0, 6.0, 8.0}) {
+    if (high <= digits * power * (1 + 1e-9)) {
+      return digits * power;
+    }
+  }
+  return 10 * power;
+}
+
 void write_picture(const std::vector<Panel>& panels, int columns, const std::filesystem::path& file,
                    int panel_width, int panel_height) {
   const bool with_bars = std::any_of(panels.begin(), panels.end(),
@@ -241,7 +255,7 @@ void write_picture(const std::vector<Panel>& panels, int columns, const std::fil
       if (!actor.arrows.empty()) {
         ensure(actor.arrows.size() == actor.surface.points.size(), "{} arrows for {} vertices",
                actor.arrows.size(), actor.surface.points.size());
-        add_arrows(sheet.scene(i), actor, *colours);
+        add_arrows(sheet.scene(i), actor);
       }
     }
     sheet.describe(i, viewpoint_of(panel.view), {panel.title, panel.bar_title}, *colours);

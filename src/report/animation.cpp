@@ -1,10 +1,12 @@
 // The paper's S1-S3 Videos: healing in the operating pose, cut open, with the curve below.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "core/error.hpp"
+#include "pipeline/wound_view.hpp"
 #include "render/render.hpp"
 #include "report/external.hpp"
 #include "report/views.hpp"
@@ -38,46 +40,37 @@ pipeline::Frame at_day(const std::vector<pipeline::Frame>& frames, double day) {
   return between(before, *next, (day - before.t_day) / (next->t_day - before.t_day));
 }
 
-Vec3 wound_centre(const pipeline::CaseResult& r, std::span<const Vec3> pose) {
-  const std::vector<double> volume = cell_volumes(r.model.mesh, pose);
-  Vec3 centre{};
-  double total = 0;
-  for (std::size_t c = 0; c < volume.size(); ++c) {
-    const double weight = 0.25 * volume[c] * r.wound.fraction[c];
-    for (const int vertex : r.model.mesh.cells[c]) {
-      centre += weight * pose[static_cast<std::size_t>(vertex)];
-    }
-    total += 4 * weight;
-  }
-  return (1 / total) * centre;
-}
-
-/// What one video shows: a colour per vertex and a curve.
+/// What one video shows: a colour per vertex.
 struct Subject {
-  std::string file, title, bar, curve_label;
+  std::string file, title, bar;
   std::function<std::vector<double>(const pipeline::Frame&)> colour;
   double high;
-  render::Curve curve;
 };
 
-render::Curve until(const render::Curve& whole, double day) {
-  render::Curve part{"so far", {}, {}};
-  for (std::size_t i = 0; i < whole.x.size(); ++i) {
-    if (whole.x[i] <= day || part.x.empty()) {
-      part.x.push_back(whole.x[i]);
-      part.y.push_back(whole.y[i]);
+/// The wound's volume over all days, and what of it has passed.
+std::pair<render::Curve, render::Curve> volume_curves(const pipeline::CaseResult& r, double day) {
+  render::Curve whole{"all days", {}, {}}, gone{"so far", {}, {}};
+  for (const auto& row : r.history) {
+    whole.x.push_back(row.species.t_day);
+    whole.y.push_back(100 * row.volume_ratio);
+    if (row.species.t_day <= day || gone.x.empty()) {
+      gone.x.push_back(whole.x.back());
+      gone.y.push_back(whole.y.back());
     }
   }
-  return part;
+  return {std::move(whole), std::move(gone)};
 }
 
-void draw_frames(const Findings& f, const Subject& subject, const fs::path& folder) {
+/// Every second frame from `first` on: two processes share the work.
+void draw_frames(const Findings& f, const Subject& subject, const fs::path& folder, int first) {
+  constexpr double window_m = 0.09;
   const pipeline::CaseResult& r = f.result;
-  const Vec3 centre = wound_centre(r, r.frames.front().points);
-  for (int i = 0; i < frames_in_all; ++i) {
+  const TetMesh part = pipeline::cells_near_wound(r, window_m);
+  const Vec3 centre = pipeline::wound_centre(r, r.frames.front().points);
+  for (int i = first; i < frames_in_all; i += 2) {
     const double day = r.frames.back().t_day * i / (frames_in_all - 1);
     const pipeline::Frame frame = at_day(r.frames, day);
-    render::CutPanel cut{.mesh = &r.model.mesh,
+    render::CutPanel cut{.mesh = &part,
                          .points = frame.points,
                          .scalar = subject.colour(frame),
                          .plane_point = centre,
@@ -85,10 +78,12 @@ void draw_frames(const Findings& f, const Subject& subject, const fs::path& fold
                          .title = fmt::format("{}, day {:.0f}", subject.title, day),
                          .bar_title = subject.bar,
                          .bar_min = 0.0,
-                         .bar_max = subject.high};
+                         .bar_max = render::nice_top(subject.high),
+                         .window_m = window_m};
     render::write_cuts({cut}, 1, folder / fmt::format("cut_{:03d}.png", i), 900, 620);
-    render::write_plot({subject.curve, until(subject.curve, day)}, "", "days after surgery",
-                       subject.curve_label, folder / fmt::format("curve_{:03d}.png", i));
+    const auto [whole, gone] = volume_curves(r, day);
+    render::write_plot({whole, gone}, "", "days after surgery", "volume of the operated region [%]",
+                       folder / fmt::format("curve_{:03d}.png", i));
   }
 }
 
@@ -96,13 +91,8 @@ std::vector<Subject> subjects(const Findings& f) {
   const pipeline::CaseResult& r = f.result;
   std::vector<Subject> all;
   const std::vector<Vec3>& start = r.frames.front().points;
-  Subject moved{"displacement.mp4",
-                "displacement (supine)",
-                "displacement since surgery [mm]",
-                "largest of the skin, against before surgery [mm]",
-                {},
-                0.1,
-                {"all days", {}, {}}};
+  Subject moved{
+      "displacement.mp4", "displacement (supine)", "displacement since surgery [mm]", {}, 0.1};
   moved.colour = [&start](const pipeline::Frame& frame) {
     std::vector<double> mm;
     for (std::size_t v = 0; v < start.size(); ++v) {
@@ -113,10 +103,6 @@ std::vector<Subject> subjects(const Findings& f) {
   for (const pipeline::Frame& frame : r.frames) {
     moved.high = std::max(moved.high, std::ranges::max(moved.colour(frame)));
   }
-  for (const auto& row : r.history) {
-    moved.curve.x.push_back(row.species.t_day);
-    moved.curve.y.push_back(row.max_displacement_mm);
-  }
   all.push_back(std::move(moved));
   for (const auto& [key, file] : {std::pair{"nu", "capillaries.mp4"}, {"eta", "cells.mp4"}}) {
     const auto species = std::ranges::find_if(
@@ -125,9 +111,7 @@ std::vector<Subject> subjects(const Findings& f) {
       continue;
     }
     const auto number = static_cast<std::size_t>(species - r.species.begin());
-    Subject subject{
-        file, species->label,      species->label + " [-]", "mean in the operated region [-]", {},
-        0.1,  {"all days", {}, {}}};
+    Subject subject{file, species->label, species->label + " [healthy = 1]", {}, 0.1};
     subject.colour = [number, count = r.species.size()](const pipeline::Frame& frame) {
       std::vector<double> values;
       for (std::size_t i = number; i < frame.species.size(); i += count) {
@@ -138,10 +122,6 @@ std::vector<Subject> subjects(const Findings& f) {
     for (const pipeline::Frame& frame : r.frames) {
       subject.high = std::max(subject.high, std::ranges::max(subject.colour(frame)));
     }
-    for (const auto& row : r.history) {
-      subject.curve.x.push_back(row.species.t_day);
-      subject.curve.y.push_back(row.species.mean[number]);
-    }
     all.push_back(std::move(subject));
   }
   return all;
@@ -149,19 +129,30 @@ std::vector<Subject> subjects(const Findings& f) {
 
 }  // namespace
 
-std::optional<std::string> draw_animations(const Findings& f, const fs::path& folder) {
-  for (const Subject& subject : subjects(f)) {
+std::optional<std::string> draw_animations(const Findings& f, const fs::path& folder,
+                                           const Context& ctx) {
+  // Software rendering of one video takes half a minute on a quiet machine.
+  constexpr std::chrono::seconds limit{1800};
+  const std::vector<Subject> all = subjects(f);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Subject& subject = all[i];
+    ctx.at(static_cast<double>(i) / static_cast<double>(all.size()), subject.file);
     const fs::path aside = folder / ("frames-" + fs::path(subject.file).stem().string());
     fs::create_directories(aside);
-    auto reason = render::with_display([&] { draw_frames(f, subject, aside); });
+    auto reason = render::with_display({[&] { draw_frames(f, subject, aside, 0); },
+                                        [&] {
+                                          draw_frames(f, subject, aside, 1);
+                                        }},
+                                       ctx, limit);
     if (!reason) {
+      const std::string rate = std::to_string(frames_per_second);
       reason = run_external(
           "ffmpeg",
-          {"-y", "-loglevel", "error", "-framerate", std::to_string(frames_per_second), "-i",
-           (aside / "cut_%03d.png"), "-framerate", std::to_string(frames_per_second), "-i",
-           (aside / "curve_%03d.png"), "-filter_complex", "[1]scale=900:380[c];[0][c]vstack",
-           "-c:v", "libx264", "-pix_fmt", "yuv420p", (folder / subject.file)},
-          120);
+          {"-y", "-loglevel", "error", "-framerate", rate, "-i", (aside / "cut_%03d.png"),
+           "-framerate", rate, "-i", (aside / "curve_%03d.png"), "-filter_complex",
+           "[1]scale=900:380[c];[0][c]vstack", "-c:v", "libx264", "-pix_fmt", "yuv420p",
+           (folder / subject.file)},
+          120, ctx);
     }
     fs::remove_all(aside);
     if (reason) {

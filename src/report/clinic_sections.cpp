@@ -41,6 +41,26 @@ const json* metric(const Findings& f, const std::string& key) {
   return nullptr;
 }
 
+/// Best and worst case instead of one pretty picture.
+std::string range_in_words(const Findings& f) {
+  const json& contractions = f.outcome.at("cosmetics").at("contractions");
+  if (contractions.empty()) {
+    return {};
+  }
+  const double most = f.outcome.at("max_displacement_upright_mm");
+  std::string text = "How strongly a wound shrinks differs between women: ";
+  for (std::size_t i = 0; i < contractions.size(); ++i) {
+    const json& c = contractions[i];
+    const double factor = c.at("displacement_factor");
+    text += fmt::format(
+        "{}{} (to {:.0f} % of its volume) would move the skin by at most {:.1f} mm{}",
+        i == 0 ? "" : ", ", c.at("key") == "little" ? "little shrinking" : "strong shrinking",
+        100 * c.at("volume_ratio").get<double>(), most * factor,
+        factor > 2 ? " (an upper estimate)" : "");
+  }
+  return text + ". ";
+}
+
 /// One sentence that does not promise more than the model knows.
 std::string in_short(const Findings& f) {
   const double mean = f.outcome.at("mean_displacement_upright_mm");
@@ -53,8 +73,9 @@ std::string in_short(const Findings& f) {
   if (nipple != nullptr && !nipple->at("change").is_null()) {
     text += fmt::format(", the nipple by {} mm", shown(nipple->at("change")));
   }
+  text += ". " + range_in_words(f);
   return text +
-         ". Small numbers can lie within what a photograph or a landmark repeats to; the table "
+         "Small numbers can lie within what a photograph or a landmark repeats to; the table "
          "below greys them. Real outcomes vary: radiotherapy, infection, fluid in the wound and "
          "changes of weight are not part of this prediction.";
 }
@@ -69,6 +90,9 @@ const char* group_title(const std::string& group) {
   if (group == "nipple") {
     return "Nipple";
   }
+  if (group == "length") {
+    return "Lengths";
+  }
   return group == "contour" ? "Contour" : "Symmetry numbers (1 = symmetric)";
 }
 
@@ -77,6 +101,16 @@ std::string with_range(const json& m, const char* value, const char* range, int 
   if (!m.at(range).is_null()) {
     text += fmt::format(" <span class=\"quiet\">({}-{})</span>",
                         shown(m.at(range).at("p05"), digits), shown(m.at(range).at("p95"), digits));
+  }
+  return text;
+}
+
+/// "none 80 %, I 20 %"
+std::string chances(const json& of_grades) {
+  std::string text;
+  for (const auto& [grade, chance] : of_grades.items()) {
+    text +=
+        fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", grade, 100 * chance.get<double>());
   }
   return text;
 }
@@ -105,6 +139,16 @@ class Footnotes {
   std::vector<std::string> texts_;
 };
 
+/// What the change may become if the wound shrinks less or more.
+std::string range_of_change(const json& m, int digits) {
+  const json& range = m.at("change_range");
+  if (range.is_null() || range.at("high") == range.at("low")) {
+    return {};
+  }
+  return fmt::format("<br><span class=\"quiet\">{} to {}</span>", shown(range.at("low"), digits),
+                     shown(range.at("high"), digits));
+}
+
 std::string metric_row(const json& m, Footnotes& footnotes) {
   const std::string unit = m.at("unit");
   const int digits = unit.empty() ? 2 : 1;
@@ -120,7 +164,7 @@ std::string metric_row(const json& m, Footnotes& footnotes) {
       escaped(m.at("name").get<std::string>()), unit.empty() ? "" : " [" + escaped(unit) + "]",
       with_range(m, "before", "before_range", digits),
       with_range(m, "after", "after_range", digits), shown(m.at("change"), digits),
-      m.at("below_noise").get<bool>() ? " (noise)" : "",
+      (m.at("below_noise").get<bool>() ? " (noise)" : "") + range_of_change(m, digits),
       escaped(m.at("reference").get<std::string>()), source);
 }
 
@@ -194,7 +238,8 @@ std::string metrics_section(const Findings& f) {
       "<h2 class=\"page\">Cosmetic indices</h2><p>Standing; before surgery, predicted after, and "
       "the "
       "change. In brackets 5-95 % when landmarks are placed 2.5 mm (sd) off. Grey: the change is "
-      "smaller than what such a measurement repeats to, so it must not be read as real.</p>"
+      "smaller than what such a measurement repeats to, so it must not be read as real. Below the "
+      "change: from a wound that shrinks little to one that shrinks strongly.</p>"
       "<div class=\"wide\"><table><thead><tr><th>index</th><th class=\"n\">before</th><th "
       "class=\"n\">after</th><th class=\"n\">change</th><th>what is usual, definition, "
       "noise</th></tr></thead><tbody>\n";
@@ -210,7 +255,8 @@ std::string metrics_section(const Findings& f) {
   html += "</tbody></table></div><p class=\"quiet\">Noise: " + footnotes.list() + ".</p>";
   const json& ptosis = cosmetics.at("ptosis_treated");
   return html + fmt::format(
-                    "<p>Ptosis of the treated breast (Regnault 1976): {} before, {} after{}. "
+                    "<p>Ptosis of the treated breast (Regnault 1976): {} before, {} after{}; by "
+                    "landmark doubt, after: {}. "
                     "Chance that BRA "
                     "exceeds 26 mm (healthy mean + 2 sd, Pezner 1985): {:.0f} %, from landmark "
                     "doubt alone.</p>"
@@ -221,6 +267,7 @@ std::string metrics_section(const Findings& f) {
                     cosmetics.at("fold_known").get<bool>()
                         ? ""
                         : " (the fold lies below the model, its lower end stands for it)",
+                    chances(ptosis.at("chances_after")),
                     100 * cosmetics.at("chance_bra_above_26mm").get<double>());
 }
 

@@ -102,7 +102,14 @@ void write_comparison(const std::vector<pipeline::Case>& cases, const Program& p
   ctx.at(0.5, "pictures");
   std::filesystem::path png = file;
   png += ".png";
-  const auto reason = draw_comparison(all, png);
+  std::optional<std::string> reason;
+  try {
+    reason = draw_comparison(all, png, ctx);
+  } catch (const Cancelled&) {
+    std::error_code ignored;
+    std::filesystem::remove(png, ignored);
+    throw;
+  }
   std::string pictures = reason ? "<p>No pictures: " + escaped(*reason) + "</p>"
                                 : "<figure>" + embedded_picture(png, "Cases side by side") +
                                       "<figcaption>Same scale and colours for all; obliques show "

@@ -118,8 +118,11 @@ std::string validation_section(const Findings& f, const fs::path& pictures) {
     const json& seen = scans.at("observed_retraction").at("operated_breast");
     html += fmt::format(
         "<p>Between the two scans themselves, the operated breast has gone in by {} mm at the "
-        "deepest place (mean over 3 mm); {} cm&sup2; by more than 3 mm.</p>",
-        shown(seen.at("depth_mm")), shown(seen.at("area_over_3mm_cm2")));
+        "deepest place (along the skin's normal, mean over 3 mm; {} mm straight towards the back); "
+        "{} "
+        "cm&sup2; by more than 3 mm.</p>",
+        shown(seen.at("depth_mm")), shown(seen.at("depth_straight_back_mm")),
+        shown(seen.at("area_over_3mm_cm2")));
   }
   if (fs::exists(pictures / "distance.png")) {
     html += fmt::format(

@@ -16,7 +16,7 @@ namespace sanatrix::report {
 
 std::optional<std::string> run_external(const std::string& program,
                                         const std::vector<std::string>& arguments,
-                                        int limit_seconds) {
+                                        int limit_seconds, const Context& ctx) {
   std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -43,10 +43,19 @@ std::optional<std::string> run_external(const std::string& program,
   }
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(limit_seconds);
   int status = 0;
+  const auto kill = [&] {
+    ::kill(-child, SIGKILL);
+    ::waitpid(child, &status, 0);
+  };
   while (::waitpid(child, &status, WNOHANG) == 0) {
+    try {
+      ctx.detail(0.0, {});  // throws Cancelled
+    } catch (const Cancelled&) {
+      kill();
+      throw;
+    }
     if (std::chrono::steady_clock::now() > end) {
-      ::kill(-child, SIGKILL);
-      ::waitpid(child, &status, 0);
+      kill();
       return fmt::format("{} took more than {} s", program, limit_seconds);
     }
     ::usleep(10000);

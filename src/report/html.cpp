@@ -98,7 +98,8 @@ svg{max-width:680px}figure{margin:1em 0}figcaption{color:#444;font-size:.9em}
 .facts li{border:1px solid #cfd8de;border-radius:6px;padding:.5em .8em}.facts b{display:block;font-size:1.25em}
 details{margin:1em 0}summary{cursor:pointer;font-weight:600;padding:.3em 0}
 summary:focus-visible{outline:3px solid #0072b2}code{word-break:break-all;font-size:.86em}
-@media print{@page{size:A4;margin:14mm}body{font-size:10.5pt;max-width:none;padding:0}figure,tr,.facts li{break-inside:avoid}h2,h3{break-after:avoid}.page{break-before:page}.wide{overflow:visible}td,th{padding:.16em .4em}}
+@media (max-width:700px){figure{overflow-x:auto}figure img{max-width:none;width:960px}}
+@media print{figure img{width:auto;max-width:100%}@page{size:A4;margin:14mm}body{font-size:10.5pt;max-width:none;padding:0}figure,tr,.facts li{break-inside:avoid}h2,h3{break-after:avoid}.page{break-before:page}.wide{overflow:visible}td,th{padding:.16em .4em}}
 )css";
 
 }  // namespace

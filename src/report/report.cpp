@@ -70,7 +70,7 @@ void write_surfaces(const Findings& f, Photographs photographs, const fs::path& 
   io::write_glb(supine, days, folder / "healing_supine.glb", 8.0);
 }
 
-std::optional<std::string> print_pdf(const fs::path& folder) {
+std::optional<std::string> print_pdf(const fs::path& folder, const Context& ctx) {
   const fs::path profile = folder / ".browser";
   const auto reason = run_external(
       "chromium",
@@ -78,13 +78,32 @@ std::optional<std::string> print_pdf(const fs::path& folder) {
        "--disable-background-networking", "--user-data-dir=" + fs::absolute(profile).string(),
        "--no-pdf-header-footer", "--print-to-pdf=" + fs::absolute(folder / "report.pdf").string(),
        "file://" + fs::absolute(folder / "report.html").string()},
-      90);
+      90, ctx);
   fs::remove_all(profile);
   if (!reason && !fs::exists(folder / "report.pdf")) {
     return "chromium wrote no file";
   }
   return reason;
 }
+
+/// What is being made, until it is put in place: an interrupted report leaves nothing.
+class Aside {
+ public:
+  explicit Aside(fs::path folder) : folder_(std::move(folder)) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~Aside() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  Aside(const Aside&) = delete;
+  Aside& operator=(const Aside&) = delete;
+  [[nodiscard]] const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
 
 void put_in_place(const fs::path& aside, const fs::path& final) {
   for (const auto& entry : fs::directory_iterator(aside)) {
@@ -107,9 +126,8 @@ Written write_report(const pipeline::Case& patient, const Options& options, cons
   ctx.at(0.0, "reading the case");
   const Findings f = find(patient, ctx);
   const fs::path final = patient.folder / "stages" / "95-report";
-  const fs::path aside = patient.folder / "stages" / ".95-report.new";
-  fs::remove_all(aside);
-  fs::create_directories(aside);
+  const Aside made(patient.folder / "stages" / ".95-report.new");
+  const fs::path& aside = made.folder();
   Written written{final, {}, {}};
   const auto note = [&](const std::string& what, const std::optional<std::string>& reason) {
     if (reason) {
@@ -117,17 +135,17 @@ Written write_report(const pipeline::Case& patient, const Options& options, cons
     }
   };
   ctx.at(0.2, "pictures");
-  note("pictures", draw_views(f, aside));
+  note("pictures", draw_views(f, aside, ctx));
   ctx.at(0.5, "surfaces");
   write_surfaces(f, options.in_files, aside);
   if (options.animations == Animations::Yes) {
     ctx.at(0.6, "animations");
-    note("animations", draw_animations(f, aside));
+    note("animations", draw_animations(f, aside, ctx.part(0.6, 0.8)));
   }
   ctx.at(0.8, "page");
   // Pictures are looked for beside the outcome's, so the page is written from the folder aside.
   write_text(aside / "report.html", report_html(f, program, aside));
-  note("PDF", print_pdf(aside));
+  note("PDF", print_pdf(aside, ctx));
   put_in_place(aside, final);
   written.files.emplace_back("report.html");
   for (const auto& entry : fs::directory_iterator(final)) {

@@ -115,7 +115,8 @@ std::optional<ClaySkin> photographed_skin(const Findings& f) {
   return skin;
 }
 
-std::optional<std::string> draw_views(const Findings& f, const fs::path& folder) {
+std::optional<std::string> draw_views(const Findings& f, const fs::path& folder,
+                                      const Context& ctx) {
   std::vector<std::function<void()>> shares{[&] { draw_five(clay_skin(f), folder / "views.png"); },
                                             [&] {
                                               if (const auto photographed = photographed_skin(f)) {
@@ -126,16 +127,16 @@ std::optional<std::string> draw_views(const Findings& f, const fs::path& folder)
                                                 draw_distances(f, folder / "distance.png");
                                               }
                                             }};
-  return render::with_display(shares);
+  return render::with_display(shares, ctx);
 }
 
-std::optional<std::string> draw_comparison(const std::vector<Findings>& cases,
-                                           const fs::path& file) {
+std::optional<std::string> draw_comparison(const std::vector<Findings>& cases, const fs::path& file,
+                                           const Context& ctx) {
   double highest = 0.1;
   for (const Findings& f : cases) {
     highest = std::max(highest, std::ranges::max(displacement_mm(f)));
   }
-  return render::with_display([&] {
+  const auto draw = [&] {
     std::vector<render::Panel> panels;
     for (const Findings& f : cases) {
       const ClaySkin skin = clay_skin(f);
@@ -146,10 +147,11 @@ std::optional<std::string> draw_comparison(const std::vector<Findings>& cases,
       panels.push_back(
           panel({coloured(f.skin.after, displacement_mm(f))}, oblique, f.folder + ", change"));
       panels.back().bar_title = "displacement [mm]";
-      panels.back().bar_max = highest;
+      panels.back().bar_max = render::nice_top(highest);
     }
     render::write_picture(panels, 4, file, 460, 440);
-  });
+  };
+  return render::with_display(draw, ctx);
 }
 
 }  // namespace sanatrix::report

@@ -17,13 +17,13 @@ ClaySkin clay_skin(const Findings& findings);
 std::optional<ClaySkin> photographed_skin(const Findings& findings);
 
 /// views.png, and with scans views_photo.png and distance.png. Returns why there are none.
-std::optional<std::string> draw_views(const Findings& findings,
-                                      const std::filesystem::path& folder);
+std::optional<std::string> draw_views(const Findings& findings, const std::filesystem::path& folder,
+                                      const Context& ctx);
 /// compare.png: one row per case, all with the same cameras and scales.
 std::optional<std::string> draw_comparison(const std::vector<Findings>& cases,
-                                           const std::filesystem::path& file);
+                                           const std::filesystem::path& file, const Context& ctx);
 /// displacement.mp4, capillaries.mp4, cells.mp4 (the paper's S1-S3 Videos) through ffmpeg.
 std::optional<std::string> draw_animations(const Findings& findings,
-                                           const std::filesystem::path& folder);
+                                           const std::filesystem::path& folder, const Context& ctx);
 
 }  // namespace sanatrix::report

@@ -3,11 +3,14 @@ import json
 import math
 import pathlib
 import re
+import resource
 import shutil
+import signal
 import tempfile
+import time
 import unittest
 
-from sanatrix_cli import QUICK, CliTest, main, sanatrix, write_patient
+from sanatrix_cli import QUICK, CliTest, main, sanatrix, start, write_patient
 
 
 def turned(source, target, angle, shift, scale):
@@ -31,6 +34,7 @@ class Report(CliTest):
         cls._shared = tempfile.TemporaryDirectory()
         cls.place = pathlib.Path(cls._shared.name)
         labels, plan = write_patient(cls.place)
+        cls.plan = pathlib.Path(plan)
         cls.case = cls.place / "case"
         made = sanatrix("new", cls.case, "--labels", labels, "--plan", plan)
         done = sanatrix("run", cls.case, *QUICK)
@@ -85,6 +89,79 @@ class Report(CliTest):
         self.refused(1, "compare", self.case)
         (other / "stages/90-outcome/outcome.json").unlink()
         self.refused(2, "report", other, says=["outcome", "sanatrix run"])
+
+
+    def test_d_an_interrupted_report_leaves_the_old_one(self):
+        self.run_ok("report", self.case)
+        stages = self.case / "stages"
+        old = {f.name: f.stat().st_mtime_ns for f in (stages / "95-report").iterdir()}
+        for number in (signal.SIGINT, signal.SIGTERM):
+            drawing = start("report", self.case, "--animations")
+            while not list(stages.glob(".95-report.new/frames-*/*.png")):
+                self.assertIsNone(drawing.poll(), "finished before it was interrupted")
+                time.sleep(0.02)
+            drawing.send_signal(number)
+            said = drawing.communicate(timeout=60)[1].decode()
+            self.assertEqual(drawing.returncode, 5, said)
+            self.assertIn("interrupted", said)
+            self.assertFalse((stages / ".95-report.new").exists())
+            self.assertEqual(
+                {f.name: f.stat().st_mtime_ns for f in (stages / "95-report").iterdir()}, old)
+
+    def test_e_landmarks_on_the_scan_place_it(self):
+        folder = self.case / "stages/95-report"
+        angle, shift = 2.8, (30, -900, 400)
+        scan = self.place / "marked.obj"
+        turned(folder / "upright_before.obj", scan, angle, shift, 1.0)
+        c, s = math.cos(angle), math.sin(angle)
+
+        def on_scan(x, y, z):
+            return [x + shift[0], c * y - s * z + shift[1], s * y + c * z + shift[2]]
+
+        bad = self.place / "two.json"
+        bad.write_text(json.dumps({"landmarks_scan_mm": {"nipple_L": [0, 0, 0]}}))
+        self.run_ok("run", self.case, "--scan", scan, "--set", "outcome.pictures=no")
+        truth = json.loads((self.case / "stages/90-outcome/outcome.json").read_text())
+        self.assertLess(truth["scans"]["preop"]["model_error"]["whole"]["p95_mm"], 0.3)
+        # The vertices farthest forward on each side stand for the nipples.
+        points = [tuple(map(float, line.split()[1:4]))
+                  for line in (folder / "upright_before.obj").read_text().splitlines()
+                  if line.startswith("v ")]
+        plan = json.loads(self.plan.read_text())
+        plan["sternal_notch_lps_mm"] = max(points, key=lambda p: p[2] - abs(p[0]))
+        (self.place / "notch.json").write_text(json.dumps(plan))
+        marks = {"sternal_notch": on_scan(*plan["sternal_notch_lps_mm"])}
+        for name, side in (("nipple_L", 1), ("nipple_R", -1)):
+            breast = [p for p in points if 30 < side * p[0] < 120]
+            marks[name] = on_scan(*min(breast, key=lambda p: p[1]))
+        good = self.place / "marks.json"
+        good.write_text(json.dumps({"landmarks_scan_mm": marks}))
+        self.run_ok("run", self.case, "--plan", self.place / "notch.json", "--scan-landmarks", good)
+        outcome = json.loads((self.case / "stages/90-outcome/outcome.json").read_text())
+        self.assertLess(outcome["scans"]["preop"]["model_error"]["whole"]["p95_mm"], 0.3)
+        self.assertTrue(outcome["cosmetics"]["sternal_notch_known"])
+        self.refused(2, "run", self.case, "--scan-landmarks", bad, says=["landmarks"])
+
+    def test_f_a_scan_of_two_million_triangles_is_read_in_time_and_memory(self):
+        # A bulging sheet 0.5 m wide, 1000 x 1000 squares.
+        n = 1000
+        with open(self.place / "large.obj", "w") as out:
+            for j in range(n + 1):
+                for i in range(n + 1):
+                    x, z = 500 * i / n - 250, 500 * j / n - 250
+                    out.write(f"v {x:.2f} {-150 + (x * x + z * z) / 700:.2f} {z:.2f}\n")
+            for j in range(n):
+                for i in range(n):
+                    a = j * (n + 1) + i + 1
+                    out.write(f"f {a} {a + 1} {a + n + 2} {a + n + 1}\n")
+        started = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        # Not this patient, or any: read to its end, laid on, and refused with numbers.
+        self.refused(2, "run", self.case, "--followup", self.place / "large.obj",
+                     says=["cannot be laid onto the patient"])
+        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - started
+        peak_kb = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+        self.assertLess(used, 60)
+        self.assertLess(peak_kb, 3_000_000)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,13 @@
 // Measures and checks of meshes against closed forms.
+#include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/error.hpp"
+#include "geometry/geodesic.hpp"
 #include "geometry/tri_mesh.hpp"
 #include "simple_meshes.hpp"
 
@@ -89,6 +92,32 @@ TEST(SurfaceExtraction, AnUnknownBoundaryIsNamedTogetherWithTheKnown) {
   } catch (const Error& e) {
     EXPECT_THAT(e.what(), HasSubstr("named skin; it has top"));
   }
+}
+
+TEST(LengthsAlongASurface, FollowTheCylinderAndEndWithThePiece) {
+  // A half cylinder of 0.1 m radius in flat strips 0.2 m high; exact: the helix between two places.
+  TriMesh half;
+  constexpr int strips = 180;
+  for (int i = 0; i <= strips; ++i) {
+    const double angle = std::numbers::pi * i / strips;
+    for (const double z : {0.0, 0.2}) {
+      half.points.push_back({0.1 * std::cos(angle), 0.1 * std::sin(angle), z});
+    }
+  }
+  for (int i = 0; i < strips; ++i) {
+    half.triangles.push_back({2 * i, 2 * i + 2, 2 * i + 3});
+    half.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 1});
+  }
+  const auto island = static_cast<int>(half.points.size());
+  for (const Vec3& p : {Vec3{1, 0, 0}, Vec3{1.1, 0, 0}, Vec3{1, 0.1, 0}}) {
+    half.points.push_back(p);
+  }
+  half.triangles.push_back({island, island + 1, island + 2});
+  const std::vector<double> lengths = lengths_along(
+      half, {0.1, 0, 0.03}, std::vector<Vec3>{{-0.1, 0, 0.15}, {0.1, 0, 0.13}, {1, 0, 0}});
+  EXPECT_NEAR(lengths[0], std::hypot(std::numbers::pi * 0.1, 0.12), 1e-5);  // chords of 1 degree
+  EXPECT_NEAR(lengths[1], 0.1, 1e-7);  // places are kept off edges by that much
+  EXPECT_TRUE(std::isnan(lengths[2]));
 }
 
 }  // namespace

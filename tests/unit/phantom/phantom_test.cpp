@@ -142,6 +142,23 @@ TEST(APhantom, KeepsItsVolumeAndHangsStandsAndFlattens) {
   EXPECT_LT(moved(phantom.upright)[2], -3 * mm);
 }
 
+TEST(APhantom, IsChangedByItsSurgeryOnTheTreatedSideAlone) {
+  const Phantom& phantom = first();
+  const int side = nlohmann::json::parse(phantom.plan_json)["operated_side"] == "L" ? 1 : -1;
+  ASSERT_EQ(phantom.skin.upright_after.triangles, phantom.skin.upright.triangles);
+  double treated = 0.0, other = 0.0;
+  for (std::size_t v = 0; v < phantom.skin.upright.points.size(); ++v) {
+    const Vec3& p = phantom.skin.upright.points[v];
+    double& largest = side * p[0] > 0 ? treated : other;
+    largest = std::max(largest, norm(phantom.skin.upright_after.points[v] - p));
+  }
+  // 8 % of a wound of 20 to 50 cm3 is a few cm3: less than a centimetre anywhere on the skin.
+  EXPECT_GT(phantom.excised_m3, 5 * cm3);
+  EXPECT_GT(treated, 0.2 * mm);
+  EXPECT_LT(treated, 10 * mm);
+  EXPECT_LT(other, 0.3 * treated);
+}
+
 TEST(APhantom, HasAPlanThatPointsAtItsTumour) {
   const Phantom& phantom = first();
   const auto plan = nlohmann::json::parse(phantom.plan_json);

@@ -1,8 +1,10 @@
 // Pictures are made in a child process and show something; failures come back as a reason.
 #include "render/render.hpp"
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,6 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
+Context quiet(std::stop_token stop = {}) {
+  static Silent silent;
+  return Context("pictures", silent, std::move(stop));
+}
+
 class Pictures : public ::testing::Test {
  protected:
   ~Pictures() override {
@@ -29,12 +36,12 @@ class Pictures : public ::testing::Test {
 };
 
 /// Skips where there is no Xvfb; any other reason is a failure.
-#define SANATRIX_DRAW(...)                                   \
-  if (const auto reason = with_display(__VA_ARGS__)) {       \
-    if (reason->find("install Xvfb") != std::string::npos) { \
-      GTEST_SKIP() << *reason;                               \
-    }                                                        \
-    FAIL() << *reason;                                       \
+#define SANATRIX_DRAW(...)                                      \
+  if (const auto reason = with_display(__VA_ARGS__, quiet())) { \
+    if (reason->find("install Xvfb") != std::string::npos) {    \
+      GTEST_SKIP() << *reason;                                  \
+    }                                                           \
+    FAIL() << *reason;                                          \
   }
 
 /// Two half balls, domes forward; the patient's left one is drawn down, the right one forward.
@@ -132,7 +139,7 @@ TEST_F(Pictures, ACutShowsTheInside) {
   SANATRIX_DRAW([&] { write_cuts({cut, oblique}, 2, file); });
   EXPECT_TRUE(is_png(file));
   cut.scalar.pop_back();
-  EXPECT_THAT(with_display([&] { write_cuts({cut}, 1, file); }).value_or(""),
+  EXPECT_THAT(with_display([&] { write_cuts({cut}, 1, file); }, quiet()).value_or(""),
               HasSubstr("a value for every vertex"));
 }
 
@@ -152,15 +159,30 @@ TEST_F(Pictures, CurvesArePlotted) {
 }
 
 TEST(OffScreenDisplay, AFailureInTheChildIsAReasonAndNotACrash) {
-  EXPECT_THAT(with_display([] { require(false, "nothing to draw"); }).value_or(""),
+  EXPECT_THAT(with_display([] { require(false, "nothing to draw"); }, quiet()).value_or(""),
               ::testing::AnyOf(HasSubstr("nothing to draw"), HasSubstr("install Xvfb")));
-  EXPECT_TRUE(with_display([] { std::abort(); }).has_value());
+  EXPECT_TRUE(with_display([] { std::abort(); }, quiet()).has_value());
+}
+
+TEST(OffScreenDisplay, AStopRequestEndsTheDrawingAtOnce) {
+  std::stop_source stop;
+  std::thread user([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    stop.request_stop();
+  });
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_THROW(with_display([] { std::this_thread::sleep_for(std::chrono::seconds(60)); },
+                            quiet(stop.get_token())),
+               Cancelled);
+  user.join();
+  // The child would have slept for a minute; half of it leaves room for a busy machine.
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
 }
 
 TEST(OffScreenDisplay, WithoutXvfbTheReasonSaysWhatToInstall) {
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", "/nonexistent", 1);
-  const auto reason = with_display([] {});
+  const auto reason = with_display([] {}, quiet());
   ::setenv("PATH", path.c_str(), 1);
   EXPECT_THAT(reason.value_or(""), HasSubstr("install Xvfb"));
 }
