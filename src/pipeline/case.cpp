@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <functional>
+#include <ranges>
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
@@ -140,6 +141,25 @@ std::string plan_text(const Case& patient, const fs::path& file) {
              : text;
 }
 
+/// A new frame of the scan moves a plan that is given from the nipple along; the coordinates of
+/// other plans would mean another place.
+void place_again(Case& patient) {
+  find_standing_frame(patient);
+  if (!patient.has_plan()) {
+    return;
+  }
+  json plan = json::parse(read_text(patient.input("plan")));
+  require(plan.at("tumour").contains("from_nipple_mm"),
+          "the case's plan has coordinates of its scan as it was placed before; make a new case "
+          "with the new scan or landmarks");
+  plan["tumour"].erase("centre_lps_mm");
+  const std::string text =
+      anonymous_plan(placed_plan(plan.dump(), load_standing_scan(patient), "plan"));
+  patient.inputs["plan"] =
+      take_in(patient.folder, fmt::format("plan-{:.8}.json", sha256_of_text(text)),
+              [&](const fs::path& to) { write_text(to, text); });
+}
+
 }  // namespace
 
 fs::path Case::input(const std::string& name) const {
@@ -202,7 +222,8 @@ Case create_case(const fs::path& folder, const NewCase& given) {
     for (const std::string& assignment : given.parameters) {
       patient.parameters.set(assignment);
     }
-    for (const auto& [name, file] : given.scans) {
+    // Landmarks before the scan that they help to place: names in reverse.
+    for (const auto& [name, file] : given.scans | std::views::reverse) {
       replace_scan(patient, name, file);
     }
     if (given.plan) {
@@ -279,7 +300,7 @@ void replace_scan(Case& patient, const std::string& name, const fs::path& file) 
         take_in(patient.folder, fmt::format("{}-{:.8}.json", name, sha256_of_text(text)),
                 [&](const fs::path& to) { write_text(to, text); });
     if (patient.scan_only() && name == "scan_landmarks" && patient.inputs.contains("scan")) {
-      find_standing_frame(patient);
+      place_again(patient);
     }
     return;
   }
@@ -296,7 +317,7 @@ void replace_scan(Case& patient, const std::string& name, const fs::path& file) 
     fs::permissions(copy, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
   }
   if (patient.scan_only() && name == "scan") {
-    find_standing_frame(patient);
+    place_again(patient);
   }
 }
 

@@ -11,7 +11,7 @@ namespace {
 using meshing::ColumnMap;
 
 constexpr double rim_mm = 12.0;
-constexpr double plate_length_mm = 30.0;
+constexpr double plate_length_mm = 4.0;
 
 }  // namespace
 

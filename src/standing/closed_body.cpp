@@ -10,6 +10,9 @@
 namespace sanatrix::standing {
 namespace {
 
+/// Beyond a rim the skin goes on as round as a breast, not straight into a tip.
+constexpr double rim_radius_m = 0.06;
+
 /// Normals averaged over neighbours, so that noise at a rim does not turn how the skin goes on.
 std::vector<Vec3> calm_normals(const TriMesh& skin) {
   constexpr int rounds = 8;
@@ -36,7 +39,10 @@ std::vector<Vec3> calm_normals(const TriMesh& skin) {
 class Skin {
  public:
   explicit Skin(const TriMesh& surface)
-      : surface_(surface), tree_(surface), normal_(calm_normals(surface)) {}
+      : surface_(surface),
+        tree_(surface),
+        normal_(calm_normals(surface)),
+        border_(outcome::border_vertices(surface)) {}
 
   [[nodiscard]] double distance_mm(const Vec3& p_mm) const {
     const Vec3 p = 1e-3 * p_mm;
@@ -44,16 +50,20 @@ class Skin {
     const auto& t = surface_.triangles[static_cast<std::size_t>(hit.triangle)];
     const std::array<double, 3> w = outcome::weights_in(surface_, hit.triangle, hit.point);
     Vec3 n{};
+    double at_rim = 0;
     for (std::size_t k = 0; k < 3; ++k) {
+      at_rim += border_[static_cast<std::size_t>(t[k])] ? w[k] : 0.0;
       n += w[k] * normal_[static_cast<std::size_t>(t[k])];
     }
-    return std::copysign(1e3 * hit.distance, dot(p - hit.point, n));
+    const double bend = at_rim > 0.99 ? hit.distance * hit.distance / (2 * rim_radius_m) : 0.0;
+    return std::copysign(1e3 * hit.distance, dot(p - hit.point, normalised(n)) + bend);
   }
 
  private:
   const TriMesh& surface_;
   SurfaceTree tree_;
   std::vector<Vec3> normal_;
+  std::vector<bool> border_;
 };
 
 template <class F>
