@@ -12,7 +12,7 @@ namespace {
 
 struct Arguments {
   std::string folder, labels, image, plan, tumour;
-  std::string preset = "sanatrix";
+  std::string preset = "sanatrix", pose, density;
   ScanOptions scans;
   int series = 0;
 };
@@ -30,10 +30,42 @@ nlohmann::json warnings_of(const pipeline::Case& made) {
   return facts.value("warnings", nlohmann::json::array());
 }
 
+std::vector<std::string> parameters_of(const Arguments& given) {
+  return given.density.empty() ? std::vector<std::string>{}
+                               : std::vector{"segment.density=" + given.density};
+}
+
+/// What was found on a scan, for a look before the case runs.
+std::string frame_words(const nlohmann::json& frame) {
+  const auto place = [&](const nlohmann::json& mm) {
+    return fmt::format("({:.0f}, {:.0f}, {:.0f})", mm.at(0).get<double>(), mm.at(1).get<double>(),
+                       mm.at(2).get<double>());
+  };
+  std::string words =
+      fmt::format("nipples at LPS R {} and L {} mm", place(frame.at("nipple_lps_mm").at("R")),
+                  place(frame.at("nipple_lps_mm").at("L")));
+  if (frame.contains("sternal_notch_lps_mm")) {
+    words += fmt::format(", sternal notch at {} mm", place(frame["sternal_notch_lps_mm"]));
+  }
+  for (const auto& note : frame.at("notes")) {
+    words += "\nnote: " + note.get<std::string>();
+  }
+  return words;
+}
+
 int make(const Arguments& given, const Common& common) {
-  if (given.labels.empty() && given.image.empty()) {
-    throw Error(Fault::Usage, "new needs --image or --labels",
+  const bool scan_only = given.labels.empty() && given.image.empty();
+  if (scan_only && given.scans.scan.empty()) {
+    throw Error(Fault::Usage, "new needs --image or --labels, or --scan with --pose upright",
                 "for example: sanatrix new out/case --image dicom-folder --plan plan.json");
+  }
+  if (scan_only && given.pose.empty()) {
+    throw Error(Fault::Usage, "a case from a scan alone needs the pose in which it was taken",
+                "add --pose upright, or give --image or --labels, too");
+  }
+  if (!scan_only && !(given.pose.empty() && given.density.empty())) {
+    throw Error(Fault::Usage, "--pose and --density are for cases from a scan alone",
+                "leave them out: with an image or labels, --scan is a scan before surgery");
   }
   const pipeline::NewCase inputs{.labels = path_of(given.labels),
                                  .label_preset = given.preset,
@@ -41,7 +73,8 @@ int make(const Arguments& given, const Common& common) {
                                  .series = given.series,
                                  .plan = path_of(given.plan),
                                  .tumour = path_of(given.tumour),
-                                 .scans = given.scans.given()};
+                                 .scans = given.scans.given(),
+                                 .parameters = parameters_of(given)};
   const pipeline::Case made = pipeline::create_case(given.folder, inputs);
   if (common.json) {
     nlohmann::json j{{"case", made.pseudonym},
@@ -54,6 +87,10 @@ int make(const Arguments& given, const Common& common) {
   } else {
     for (const auto& warning : warnings_of(made)) {
       fmt::print(stderr, "warning: {}\n", warning.get<std::string>());
+    }
+    if (scan_only) {
+      const auto frame = nlohmann::json::parse(read_text(made.input("scan_frame")));
+      fmt::print("scan in {}; {}\n", frame.at("unit").get<std::string>(), frame_words(frame));
     }
     fmt::print("created {} ({}); next: sanatrix run {}\n", given.folder, made.pseudonym,
                given.folder);
@@ -68,7 +105,8 @@ void add_new(CLI::App& app, Common& common, Command& chosen) {
   CLI::App* command = app.add_subcommand(
       "new",
       "Examples: sanatrix new out/case --image dicom-folder --plan plan.json\n"
-      "          sanatrix new out/case --labels labels.nii.gz --plan plan.json\n\n"
+      "          sanatrix new out/case --labels labels.nii.gz --plan plan.json\n"
+      "          sanatrix new out/case --scan torso.obj --pose upright --density c\n\n"
       "Creates a case folder from a prone breast MRI (docs/user/images.md, labels.md, plan.md).\n"
       "Nothing that identifies the patient is taken in.");
   command->add_option("CASE", given->folder, "folder to create")->required();
@@ -85,6 +123,12 @@ void add_new(CLI::App& app, Common& common, Command& chosen) {
       ->capture_default_str();
   command->add_option("--plan", given->plan, "surgical plan (JSON)");
   given->scans.add_to(*command);
+  command->add_option("--pose", given->pose, "of a scan without image: upright")
+      ->check(CLI::IsMember({"upright"}));
+  command
+      ->add_option("--density", given->density,
+                   "density class of the breasts for a scan without image (default b)")
+      ->check(CLI::IsMember({"a", "b", "c", "d"}));
   command->add_option("--tumour", given->tumour,
                       "where the tumour is: Slicer markups (.mrk.json); default: as the plan says");
   add_json(*command, common);

@@ -49,10 +49,22 @@ struct Anatomy {
   ClipBox box;
 };
 
+/// Half axes [mm] along x, y, z of what rolls over the chest and the flanks but not over a breast.
+struct RollingBall {
+  double x_mm = 80.0, y_mm = 80.0, z_mm = 80.0;
+};
+
+/// A standing breast may be as round as the ball for the prone one; the trunk is long and straight.
+extern const RollingBall standing_ball;
+/// Farther from the nipple than this, seen from the front, no skin belongs to a standing breast.
+extern const double standing_reach_mm;
+
 struct AnatomyOptions {
   double midline_x_mm = 0.0;
   std::array<Vec3, 2> nipple_mm{};
   double slab_half_height_mm = 0.0;  ///< 0: from the extent of the breasts
+  RollingBall ball{};
+  double breast_reach_mm = 1e3;  ///< from the nipple, seen from the front
 };
 
 /// labels: isotropic, LPS. Throws Error{Input} without chest wall or breasts.
@@ -60,6 +72,9 @@ Anatomy find_anatomy(const LabelImage& labels, const AnatomyOptions& options, co
 
 /// Replaces the values of some columns by the smoothest ones between their neighbours.
 void fill_smoothly(ColumnMap& map, const std::vector<std::size_t>& columns);
+
+/// How far the skin stands [mm] in front of a ball that rolls over the torso from inside.
+ColumnMap prominence_of(const ColumnMap& skin_y, const RollingBall& ball);
 
 /// The breasts' footprint from the skin's height map; see breast_map.cpp.
 BreastMap map_breasts(const ColumnMap& skin_y, const ColumnMap& chest_y,

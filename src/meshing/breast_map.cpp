@@ -9,9 +9,14 @@
 namespace sanatrix::meshing {
 namespace {
 
-/// The ball rolls over the chest and the flanks but not over a breast [mm].
-constexpr double ball_radius_mm = 80.0;
 constexpr double footprint_prominence_mm = 10.0;
+}  // namespace
+
+const RollingBall standing_ball{80.0, 80.0, 130.0};
+const double standing_reach_mm = 115.0;
+
+namespace {
+
 /// The torso's shape needs no finer columns than this [mm].
 constexpr double coarse_mm = 4.0;
 
@@ -31,14 +36,15 @@ ColumnMap coarsen(const ColumnMap& map) {
 
 /// Extreme of y +- the ball's cap over all columns under the ball. sign +1 moves the ball's centre
 /// back until it is inside the body everywhere, -1 gives the front of that ball.
-ColumnMap roll(const ColumnMap& map, int sign) {
-  const int reach = static_cast<int>(ball_radius_mm / map.spacing_mm);
+ColumnMap roll(const ColumnMap& map, const RollingBall& ball, int sign) {
+  const int reach_x = static_cast<int>(ball.x_mm / map.spacing_mm);
+  const int reach_z = static_cast<int>(ball.z_mm / map.spacing_mm);
   std::vector<std::pair<std::array<int, 2>, double>> cap;
-  for (int b = -reach; b <= reach; ++b) {
-    for (int a = -reach; a <= reach; ++a) {
-      const double r2 = (a * a + b * b) * map.spacing_mm * map.spacing_mm;
-      if (r2 <= ball_radius_mm * ball_radius_mm) {
-        cap.push_back({{a, b}, std::sqrt(ball_radius_mm * ball_radius_mm - r2)});
+  for (int b = -reach_z; b <= reach_z; ++b) {
+    for (int a = -reach_x; a <= reach_x; ++a) {
+      const double x = a * map.spacing_mm / ball.x_mm, z = b * map.spacing_mm / ball.z_mm;
+      if (x * x + z * z <= 1.0) {
+        cap.push_back({{a, b}, ball.y_mm * std::sqrt(1.0 - x * x - z * z)});
       }
     }
   }
@@ -58,14 +64,19 @@ ColumnMap roll(const ColumnMap& map, int sign) {
 }
 
 /// The prominent columns connected to a nipple, on its side of the midline.
-void mark_breast(BreastMap& breasts, const Vec3& nipple_mm, double midline_x_mm, signed char side) {
+void mark_breast(BreastMap& breasts, const Vec3& nipple_mm, const AnatomyOptions& options,
+                 signed char side) {
   const ColumnMap& map = breasts.prominence;
   Mask raised{.size = {map.size[0], map.size[1], 1}, .voxels = {}};
   for (std::size_t c = 0; c < map.value.size(); ++c) {
     const double x =
         map.origin_mm[0] +
         static_cast<double>(c % static_cast<std::size_t>(map.size[0])) * map.spacing_mm;
-    const bool mine = (x > midline_x_mm) == (side > 0);
+    const double z =
+        map.origin_mm[1] +
+        static_cast<double>(c / static_cast<std::size_t>(map.size[0])) * map.spacing_mm;
+    const bool mine = (x > options.midline_x_mm) == (side > 0) &&
+                      std::hypot(x - nipple_mm[0], z - nipple_mm[2]) <= options.breast_reach_mm;
     raised.voxels.push_back(mine && map.value[c] > footprint_prominence_mm ? 1 : 0);
   }
   const std::size_t tip = map.nearest(nipple_mm[0], nipple_mm[2]);
@@ -75,7 +86,7 @@ void mark_breast(BreastMap& breasts, const Vec3& nipple_mm, double midline_x_mm,
                             "stands only {:.0f} mm forward of the torso",
                             side > 0 ? "left" : "right", nipple_mm[0], nipple_mm[1], nipple_mm[2],
                             map.value[tip]),
-                "the model needs both breasts of a prone patient");
+                "the model needs both breasts, on a prone image or a standing scan");
   }
   const Parts parts = connected_parts(raised);
   for (std::size_t c = 0; c < map.value.size(); ++c) {
@@ -140,17 +151,22 @@ void fill_smoothly(ColumnMap& map, const std::vector<std::size_t>& columns) {
   }
 }
 
+ColumnMap prominence_of(const ColumnMap& skin_y, const RollingBall& ball) {
+  ColumnMap prominence = roll(roll(skin_y, ball, 1), ball, -1);
+  for (std::size_t c = 0; c < skin_y.value.size(); ++c) {
+    prominence.value[c] -= skin_y.value[c];
+  }
+  return prominence;
+}
+
 BreastMap map_breasts(const ColumnMap& skin_y, const ColumnMap& chest_y,
                       const AnatomyOptions& options) {
   const ColumnMap skin = coarsen(skin_y);
   BreastMap breasts;
-  breasts.prominence = roll(roll(skin, 1), -1);
-  for (std::size_t c = 0; c < skin.value.size(); ++c) {
-    breasts.prominence.value[c] -= skin.value[c];
-  }
+  breasts.prominence = prominence_of(skin, options.ball);
   breasts.side.assign(skin.value.size(), 0);
-  mark_breast(breasts, options.nipple_mm[0], options.midline_x_mm, -1);
-  mark_breast(breasts, options.nipple_mm[1], options.midline_x_mm, 1);
+  mark_breast(breasts, options.nipple_mm[0], options, -1);
+  mark_breast(breasts, options.nipple_mm[1], options, 1);
   std::vector<std::size_t> covered;
   for (std::size_t c = 0; c < breasts.side.size(); ++c) {
     if (breasts.side[c] != 0) {

@@ -120,11 +120,14 @@ BreastModel mesh_breasts(const LabelImage& labels, const Image3<float>& fibrogla
   check(labels, fibroglandular, options);
   const Deadline deadline(options.time_limit_s);
   ctx.at(0.0, "skin and chest wall");
-  const Anatomy anatomy = find_anatomy(labels,
-                                       {.midline_x_mm = midline_x_mm,
-                                        .nipple_mm = nipple_mm,
-                                        .slab_half_height_mm = 1e3 * options.slab_half_height_m},
-                                       ctx.part(0.0, 0.2));
+  const Anatomy anatomy =
+      find_anatomy(labels,
+                   {.midline_x_mm = midline_x_mm,
+                    .nipple_mm = nipple_mm,
+                    .slab_half_height_mm = 1e3 * options.slab_half_height_m,
+                    .ball = options.standing ? standing_ball : RollingBall{},
+                    .breast_reach_mm = options.standing ? standing_reach_mm : 1e3},
+                   ctx.part(0.0, 0.2));
   deadline.check();
   ctx.at(0.2, "clipped surface");
   const DomainSurface surface = extract_domain(anatomy, nipple_mm);

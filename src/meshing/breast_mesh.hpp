@@ -25,6 +25,7 @@ struct MeshOptions {
   std::optional<Focus> focus;
   double time_limit_s = 120.0;      ///< Error{Resource} beyond it
   double slab_half_height_m = 0.0;  ///< 0: chosen from the extent of the breasts
+  bool standing = false;            ///< labels of a standing patient, whose breasts lie flatter
 };
 
 /// The geometrical and tissue model of the prone patient.

@@ -13,6 +13,11 @@ inline constexpr Vec3 gravity_prone{0, -standard_gravity, 0};
 inline constexpr Vec3 gravity_supine{0, standard_gravity, 0};
 inline constexpr Vec3 gravity_upright{0, 0, -standard_gravity};
 
+/// Of the pose in which the patient's geometry was captured: prone MRI or standing scan.
+inline Vec3 gravity_captured(bool scan_only) {
+  return scan_only ? gravity_upright : gravity_prone;
+}
+
 /// The tissue preset with the values given for this case.
 mechanics::TissuePreset tissue_values(const Parameters& parameters);
 /// Chest fixed, superior and inferior cuts held along the axis, all else free; membrane on the

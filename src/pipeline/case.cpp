@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <functional>
+#include <ranges>
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 #include "io/image_file.hpp"
 #include "io/scan_file.hpp"
 #include "pipeline/intake.hpp"
+#include "pipeline/standing_scan.hpp"
 #include "pipeline/tumour.hpp"
 
 namespace sanatrix::pipeline {
@@ -121,6 +123,43 @@ void check_plan(const fs::path& file) {
   surgery::read_plan(read_text(file), file.filename());
 }
 
+/// Coordinates in a pose in which this patient was not captured would be silently wrong.
+void check_pose(const Case& patient, const surgery::Plan& plan, const std::string& name) {
+  const bool fits = plan.frame == surgery::Frame::Supine ||
+                    (plan.frame == surgery::Frame::Upright) == patient.scan_only();
+  require(fits, "{}: the plan's coordinates are of the {} pose, but this case was made from a {}",
+          name, patient.scan_only() ? "prone" : "upright",
+          patient.scan_only() ? "standing scan; say where the tumour lies from the nipple, or use "
+                                "frame \"upright\" (docs/user/plan.md)"
+                              : "prone image");
+}
+
+std::string plan_text(const Case& patient, const fs::path& file) {
+  const std::string text = read_text(file);
+  return patient.scan_only()
+             ? placed_plan(text, load_standing_scan(patient), file.filename().string())
+             : text;
+}
+
+/// A new frame of the scan moves a plan that is given from the nipple along; the coordinates of
+/// other plans would mean another place.
+void place_again(Case& patient) {
+  find_standing_frame(patient);
+  if (!patient.has_plan()) {
+    return;
+  }
+  json plan = json::parse(read_text(patient.input("plan")));
+  require(plan.at("tumour").contains("from_nipple_mm"),
+          "the case's plan has coordinates of its scan as it was placed before; make a new case "
+          "with the new scan or landmarks");
+  plan["tumour"].erase("centre_lps_mm");
+  const std::string text =
+      anonymous_plan(placed_plan(plan.dump(), load_standing_scan(patient), "plan"));
+  patient.inputs["plan"] =
+      take_in(patient.folder, fmt::format("plan-{:.8}.json", sha256_of_text(text)),
+              [&](const fs::path& to) { write_text(to, text); });
+}
+
 }  // namespace
 
 fs::path Case::input(const std::string& name) const {
@@ -150,15 +189,16 @@ Case create_case(const fs::path& folder, const NewCase& given) {
   require(!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder)),
           "{}: this folder exists already and is not empty", folder.filename().string());
   imaging::parse_label_preset(given.label_preset);
-  ensure(given.labels || given.image, "a case needs labels or an image");
+  const bool scan_only = !given.labels && !given.image;
+  ensure(!scan_only || given.scans.contains("scan"), "a case needs labels, an image or a scan");
   std::optional<GivenImage> image;
   if (given.image) {
     image = read_given_image(*given.image, given.series);
   }
-  if (given.plan) {
+  if (given.plan && !scan_only) {
     check_plan(*given.plan);
   }
-  const std::optional<imaging::TumourSphere> tumour = tumour_of(given);
+  const std::optional<imaging::TumourSphere> tumour = scan_only ? std::nullopt : tumour_of(given);
   const fs::path place = fs::absolute(folder).lexically_normal();
   const fs::path final = place.filename().empty() ? place.parent_path() : place;
   const fs::path aside = final.parent_path() / fmt::format(".{}.new", final.filename().string());
@@ -179,11 +219,15 @@ Case create_case(const fs::path& folder, const NewCase& given) {
     if (image) {
       take_in_image(*image, patient);
     }
+    for (const std::string& assignment : given.parameters) {
+      patient.parameters.set(assignment);
+    }
+    // Landmarks before the scan that they help to place: names in reverse.
+    for (const auto& [name, file] : given.scans | std::views::reverse) {
+      replace_scan(patient, name, file);
+    }
     if (given.plan) {
       replace_plan(patient, *given.plan);
-    }
-    for (const auto& [name, file] : given.scans) {
-      replace_scan(patient, name, file);
     }
     if (tumour) {
       patient.inputs["tumour"] = take_in(
@@ -193,7 +237,7 @@ Case create_case(const fs::path& folder, const NewCase& given) {
     fs::remove_all(aside, problem);
     throw;
   }
-  const std::string first = given.labels ? "labels" : "image";
+  const std::string first = given.labels ? "labels" : given.image ? "image" : "scan";
   patient.pseudonym = fmt::format("case-{:.8}", patient.inputs[first].sha256);
   save_case(patient);
   fs::remove(final, problem);  // the empty folder, if there was one
@@ -234,9 +278,10 @@ void save_case(const Case& patient) {
 }
 
 void replace_plan(Case& patient, const fs::path& plan_file) {
-  check_plan(plan_file);
+  const std::string given = plan_text(patient, plan_file);
+  check_pose(patient, surgery::read_plan(given, plan_file.filename()), plan_file.filename());
   // Named by content: a kill before case.json is saved leaves the old plan in force.
-  const std::string text = anonymous_plan(read_text(plan_file));
+  const std::string text = anonymous_plan(given);
   const std::string name = fmt::format("plan-{:.8}.json", sha256_of_text(text));
   patient.inputs["plan"] =
       take_in(patient.folder, name, [&](const fs::path& to) { write_text(to, text); });
@@ -247,12 +292,16 @@ void replace_scan(Case& patient, const std::string& name, const fs::path& file) 
   if (name.ends_with("_landmarks")) {
     const std::string text = read_text(file);
     const json j = json::parse(text, nullptr, false);
-    require(j.is_object() && j.contains("landmarks_scan_mm"),
+    require(j.is_object() &&
+                (j.contains("landmarks_scan_mm") || (patient.scan_only() && j.contains("markups"))),
             "{}: it has no object landmarks_scan_mm with nipple_L, nipple_R, sternal_notch",
             file.filename().string());
     patient.inputs[name] =
         take_in(patient.folder, fmt::format("{}-{:.8}.json", name, sha256_of_text(text)),
                 [&](const fs::path& to) { write_text(to, text); });
+    if (patient.scan_only() && name == "scan_landmarks" && patient.inputs.contains("scan")) {
+      place_again(patient);
+    }
     return;
   }
   io::read_scan(file, io::parse_scan_unit(patient.parameters.text("outcome.scan_unit")));
@@ -266,6 +315,9 @@ void replace_scan(Case& patient, const std::string& name, const fs::path& file) 
     const std::string key = i == 0 ? name : fmt::format("{}.{}", name, i);
     patient.inputs[key] = {"inputs/" + copies[i], sha256_of_file(copy)};
     fs::permissions(copy, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+  }
+  if (patient.scan_only() && name == "scan") {
+    place_again(patient);
   }
 }
 

@@ -27,13 +27,17 @@ struct Case {
   std::optional<FocusRule> focus;  ///< where the mesh is fine; follows the plan lazily
 
   [[nodiscard]] bool has_plan() const { return inputs.contains("plan"); }
+  /// Nothing but a surface scan is known: the geometry was captured standing, not prone.
+  [[nodiscard]] bool scan_only() const {
+    return !inputs.contains("labels") && !inputs.contains("image");
+  }
   [[nodiscard]] std::filesystem::path input(const std::string& name) const;
   [[nodiscard]] std::filesystem::path stage_folder(Stage stage) const;
   /// The plan as read, with the surgery.* parameters applied. Error{Input} when there is none.
   [[nodiscard]] surgery::Plan plan() const;
 };
 
-/// At least one of labels and image.
+/// At least one of labels, image and a scan; a scan alone makes a case of the standing patient.
 struct NewCase {
   std::optional<std::filesystem::path> labels;
   std::string label_preset = "sanatrix";
@@ -43,6 +47,7 @@ struct NewCase {
   std::optional<std::filesystem::path>
       tumour;  ///< for images; else the plan's (pipeline/tumour.hpp)
   std::map<std::string, std::filesystem::path> scans;  ///< as for replace_scan
+  std::vector<std::string> parameters;                 ///< "key=value", kept in the case
 };
 /// Creates the folder completely or not at all. Error{Input} when it exists and is not empty, or
 /// when an input cannot be read. Everything is taken in anonymously (pipeline/intake.hpp).

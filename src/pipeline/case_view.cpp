@@ -69,7 +69,8 @@ std::vector<Vec3> CaseView::carry(std::span<const Vec3> points, const std::strin
 }
 
 std::string pose_of(surgery::Frame frame) {
-  return frame == surgery::Frame::Prone ? "prone" : "supine";
+  // "prone" is the pose in which the geometry was captured; of a standing scan it is upright.
+  return frame == surgery::Frame::Supine ? "supine" : "prone";
 }
 
 surgery::Plan in_frame(const surgery::Plan& plan, surgery::Frame frame, const CaseView& view) {

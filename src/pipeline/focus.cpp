@@ -108,7 +108,7 @@ FocusRule follow(const std::optional<FocusRule>& old, const surgery::Plan& plan)
   // The fine zone ends 1..6 mm outside the resection, on a multiple of 5 mm.
   const double radius = 0.005 * std::ceil((planned_radius(plan) + 0.001) / 0.005);
   FocusRule rule{.centre = {}, .axis = {}, .side = plan.side, .radius = radius};
-  if (plan.frame == surgery::Frame::Prone) {
+  if (plan.frame != surgery::Frame::Supine) {
     rule.centre = plan.tumour_centre;
     rule.axis = plan.axis;
   }

@@ -35,6 +35,11 @@ ParameterInfo text(std::string key, std::string standard, std::string doc) {
 void add_geometry(std::vector<ParameterInfo>& t) {
   t.push_back(number("segment.spacing_mm", "1", 0.5, 3, "mm",
                      "voxel size to which the labels are resampled"));
+  t.push_back(choice("segment.density", {"a", "b", "c", "d"},
+                     "density class of the breasts; for cases from a scan alone", "b"));
+  t.push_back(number("segment.wall_depth_mm", "18", 4, 40, "mm",
+                     "soft tissue over the chest wall beside the breasts; for cases from a scan "
+                     "alone"));
   t.push_back(choice("mesh.preset", {"standard", "paper"},
                      "standard: about 10,000 vertices; paper: about 5,000 vertices", "standard"));
   t.push_back(integer("mesh.target_vertices", "", 500, 2e6,

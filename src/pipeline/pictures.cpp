@@ -45,7 +45,7 @@ render::Panel panel(std::vector<render::Actor> actors, render::View view, std::s
 void write_poses(const CaseResult& r, const fs::path& file) {
   const TriMesh prone = extract_surface(r.model.mesh, r.model.mesh.points, {"skin"}).mesh;
   const std::vector<std::pair<std::string, TriMesh>> poses{
-      {"prone (given)", prone},
+      {r.standing ? "standing (scanned)" : "prone (given)", prone},
       {"unloaded", skin_of(r, r.unloaded)},
       {"supine", skin_of(r, r.supine)},
       {"upright before surgery", skin_of(r, r.before)}};

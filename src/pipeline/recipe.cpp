@@ -52,7 +52,7 @@ Recipe recipe(const Case& patient, Stage stage) {
     }
   };
   if (stage == Stage::Image) {
-    for (const std::string name : {"labels", "image", "image_facts", "scan"}) {
+    for (const std::string name : {"labels", "image", "image_facts", "scan", "scan_frame"}) {
       add_input(name);
     }
   } else if (stage == Stage::Segment) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/json_object.hpp"
+#include "pipeline/standing_scan.hpp"
 
 namespace sanatrix::pipeline {
 
@@ -21,7 +22,8 @@ CaseResult load_result(const Case& patient) {
                     .history = load_history(file(Stage::Heal, "history.bin")),
                     .species = {},
                     .frames = {},
-                    .landmarks = {}};
+                    .landmarks = {},
+                    .standing = patient.scan_only()};
   const auto biology = healing::make_model(patient.parameters.text("heal.preset"),
                                            patient.parameters.list("heal.overrides"));
   result.species.assign(biology->species().begin(), biology->species().end());
@@ -35,6 +37,12 @@ CaseResult load_result(const Case& patient) {
   if (plan.is_object() && plan.contains("sternal_notch_lps_mm")) {
     const std::vector<double> mm = JsonObject(plan, "plan").numbers("sternal_notch_lps_mm", 3);
     result.landmarks["sternal_notch"] = 1e-3 * Vec3{mm[0], mm[1], mm[2]};
+  }
+  if (result.standing) {
+    if (const auto notch = load_standing_scan(patient).sternal_notch;
+        notch && !result.landmarks.contains("sternal_notch")) {
+      result.landmarks["sternal_notch"] = *notch;
+    }
   }
   std::ranges::sort(result.frames, {}, &Frame::t_day);
   return result;

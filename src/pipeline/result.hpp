@@ -16,6 +16,7 @@ struct CaseResult {
   std::vector<healing::Species> species;
   std::vector<Frame> frames;              ///< in time
   std::map<std::string, Vec3> landmarks;  ///< upright before surgery, where known: sternal_notch
+  bool standing = false;                  ///< captured standing, by a scan alone
 
   [[nodiscard]] std::span<const Vec3> points(const SolvedShape& solved) const {
     return vertices(model.mesh, solved.shape);

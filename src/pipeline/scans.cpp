@@ -14,6 +14,7 @@
 #include "outcome/scan_target.hpp"
 #include "pipeline/json_object.hpp"
 #include "pipeline/stages.hpp"
+#include "pipeline/standing_scan.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -117,7 +118,11 @@ PlacedScan place_scan(const Case& patient, const CaseResult& r, const std::strin
                                 io::parse_scan_unit(patient.parameters.text("outcome.scan_unit")));
   const std::string key = pose_key(patient, name);
   std::optional<outcome::Alignment> pose = stored(kept, name, key);
-  if (!pose) {
+  if (r.standing && name == "scan") {  // she is made of it
+    pose = outcome::align_freely({standing.surface, standing.trust, {}}, scan.surface.mesh,
+                                 load_standing_scan(patient).to_patient);
+    pose->to_patient = load_standing_scan(patient).to_patient;
+  } else if (!pose) {
     pose = during(name, [&] {
       return outcome::align(standing, scan.surface.mesh, marked_start(patient, r, name, 1e-3));
     });

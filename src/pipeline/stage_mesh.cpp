@@ -32,6 +32,7 @@ StageNotes run_mesh(const StageInput& in) {
   const imaging::Segmentation labels = load_segmentation(in.from(Stage::Segment));
   StageNotes notes;
   meshing::MeshOptions options = mesh_options(in.parameters());
+  options.standing = in.patient.scan_only();
   if (in.patient.focus) {
     options.focus = place(*in.patient.focus, labels.labels, labels.midline_x_mm);
     if (!options.focus) {
@@ -43,8 +44,9 @@ StageNotes run_mesh(const StageInput& in) {
   const meshing::BreastModel model = meshing::mesh_breasts(
       labels.labels, labels.fibroglandular, labels.midline_x_mm, labels.nipple_mm, options, in.ctx);
   save_model(model, in.out / "model.bin");
-  write_pose(model, model.mesh.points, model.mesh.points, in.out / "prone.vtu");
-  write_skin(model.mesh, model.mesh.points, {}, in.out / "prone_skin.vtp");
+  const std::string pose = in.patient.scan_only() ? "scanned" : "prone";
+  write_pose(model, model.mesh.points, model.mesh.points, in.out / (pose + ".vtu"));
+  write_skin(model.mesh, model.mesh.points, {}, in.out / (pose + "_skin.vtp"));
   const meshing::MeshQuality quality = meshing::measure_quality(model, options.focus);
   notes.warnings.insert(notes.warnings.end(), model.warnings.begin(), model.warnings.end());
   notes.numbers = {{"vertices", static_cast<double>(model.mesh.points.size())},

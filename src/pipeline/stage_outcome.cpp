@@ -167,6 +167,9 @@ StageNotes run_outcome(const StageInput& in) {
   const Scans scans = load_scans(in.patient, result, skin, in.from(Stage::Outcome) / scan_poses,
                                  in.out / scan_poses, in.ctx);
   j["scans"] = scans_json(scans);
+  if (in.patient.scan_only()) {
+    j["scan_only"] = json::parse(read_text(in.from(Stage::Segment) / "scan_only.json"));
+  }
   const Cosmetics cosmetics = cosmetics_of(result, skin);
   j["cosmetics"] = cosmetics_json(cosmetics);
   write_text(in.out / "metrics.csv", cosmetics_csv(cosmetics));

@@ -25,8 +25,8 @@ StageNotes run_unload(const StageInput& in) {
   const meshing::BreastModel model = load_model(in.from(Stage::Mesh) / "model.bin");
   const mechanics::Body body = make_body(model, in.parameters());
   mechanics::Solver solver(body, solve_options(in.parameters()));
-  const mechanics::Shape unloaded =
-      solver.inverse(solver.straight_nodes(model.mesh.points), gravity_prone, in.ctx);
+  const mechanics::Shape unloaded = solver.inverse(
+      solver.straight_nodes(model.mesh.points), gravity_captured(in.patient.scan_only()), in.ctx);
   if (in.writes) {
     save_shape({unloaded, solver.last_report().min_jacobian}, in.out / "shape.bin");
     write_pose(model, vertices(model.mesh, unloaded), model.mesh.points, in.out / "unloaded.vtu");

@@ -1,12 +1,15 @@
 // Step B: labels on an isotropic grid with landmarks, from given labels or from the image itself.
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/files.hpp"
 #include "io/image_file.hpp"
 #include "pipeline/segmentation_store.hpp"
 #include "pipeline/stages.hpp"
+#include "pipeline/standing_scan.hpp"
 #include "pipeline/tumour.hpp"
 #include "render/overlay.hpp"
+#include "standing/standing_body.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -40,6 +43,54 @@ imaging::Segmentation from_image(const StageInput& in, StageNotes& notes) {
   return std::move(found.segmentation);
 }
 
+/// Volume fraction of fibroglandular tissue in a breast of a density class;
+/// docs/theory/scan-only.md
+double gland_share(const std::string& density) {
+  return density == "a" ? 0.12 : density == "b" ? 0.20 : density == "c" ? 0.35 : 0.55;
+}
+
+/// From nothing but the scanned skin: what is estimated is said wherever results are read.
+imaging::Segmentation from_scan(const StageInput& in, StageNotes& notes) {
+  const StandingScan scan = load_standing_scan(in.patient);
+  const std::string density = in.parameters().text("segment.density");
+  const double depth_mm = in.parameters().number("segment.wall_depth_mm");
+  standing::StandingBody body =
+      standing::build_body(scan.skin, scan.nipple,
+                           {.spacing_mm = in.parameters().number("segment.spacing_mm"),
+                            .gland_share = gland_share(density),
+                            .wall_depth_mm = depth_mm},
+                           in.ctx.part(0.0, 0.9));
+  const auto sides = [](const std::array<double, 2>& v) {
+    return json{{"R", v[0]}, {"L", v[1]}};
+  };
+  const json j{{"chest_wall",
+                {{"estimated", true},
+                 {"depth_beside_breasts_mm", depth_mm},
+                 {"doubt_mm", standing::wall_doubt_mm}}},
+               {"breast_cm3", sides(body.breast_cm3)},
+               {"breast_doubt_cm3", sides(body.breast_doubt_cm3)},
+               {"density_class", density},
+               {"fibroglandular_share", gland_share(density)},
+               {"scan_unit", scan.unit},
+               {"scan_not_seen_share", body.unseen_share},
+               {"notes", scan.notes}};
+  write_text(in.out / "scan_only.json", j.dump(2) + "\n");
+  auto& warnings = body.segmentation.warnings;
+  warnings.push_back(fmt::format(
+      "no image: the chest wall is estimated from the skin, +-{:.0f} mm (1 sd); breast volumes "
+      "R {:.0f} +-{:.0f} cm3, L {:.0f} +-{:.0f} cm3",
+      standing::wall_doubt_mm, body.breast_cm3[0], body.breast_doubt_cm3[0], body.breast_cm3[1],
+      body.breast_doubt_cm3[1]));
+  warnings.push_back(fmt::format(
+      "no image: tissue is taken as an even mixture, {:.0f} % fibroglandular (density class {})",
+      100 * gland_share(density), density));
+  warnings.insert(warnings.end(), scan.notes.begin(), scan.notes.end());
+  notes.numbers = {{"breast_right_cm3", body.breast_cm3[0]},
+                   {"breast_left_cm3", body.breast_cm3[1]},
+                   {"scan_not_seen_share", body.unseen_share}};
+  return std::move(body.segmentation);
+}
+
 }  // namespace
 
 StageNotes run_segment(const StageInput& in) {
@@ -49,7 +100,8 @@ StageNotes run_segment(const StageInput& in) {
           ? imaging::segment_given_labels(in.patient.input("labels"),
                                           imaging::parse_label_preset(in.patient.label_preset),
                                           in.parameters().number("segment.spacing_mm"), in.ctx)
-          : from_image(in, notes);
+      : in.patient.scan_only() ? from_scan(in, notes)
+                               : from_image(in, notes);
   save_segmentation(segmentation, in.out);
   notes.warnings = segmentation.warnings;
   notes.numbers.emplace_back("midline_x_mm", segmentation.midline_x_mm);

@@ -14,9 +14,9 @@ StageNotes run_surgery(const StageInput& in) {
   const mechanics::Shape supine = load_shape(in.from(Stage::Supine) / "shape.bin").shape;
   const std::span<const Vec3> supine_points = vertices(model.mesh, supine);
   // Fractions belong to cells: a plan drawn in prone travels to the table with the tissue.
-  const std::span<const Vec3> pose = plan.frame == surgery::Frame::Prone
-                                         ? std::span<const Vec3>(model.mesh.points)
-                                         : supine_points;
+  const std::span<const Vec3> pose = plan.frame == surgery::Frame::Supine
+                                         ? supine_points
+                                         : std::span<const Vec3>(model.mesh.points);
   const surgery::Wound wound = surgery::resect(plan, model.mesh, pose, model.midline_x_m, in.ctx);
   if (std::ranges::none_of(wound.fraction, [](double f) { return f >= 0.5; })) {
     throw Error(Fault::Input, "the planned resection is smaller than the elements of the mesh",

@@ -13,7 +13,9 @@
 namespace sanatrix::surgery {
 
 enum class Side { Right, Left };
-enum class Frame { Prone, Supine };  ///< the pose in which the plan's coordinates are given
+/// The pose in which the plan's coordinates are given: that of the image (Prone), of the scan when
+/// there is no image (Upright), or the operating table.
+enum class Frame { Prone, Supine, Upright };
 
 struct Plan {
   Side side = Side::Left;

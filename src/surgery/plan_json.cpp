@@ -99,16 +99,18 @@ Side read_side(const json& document, const std::string& where) {
 
 Frame read_frame(const json& document, const std::string& where) {
   const std::string frame = text(document, "frame", where);
-  require(frame.empty() || frame == "prone" || frame == "supine",
-          "{}: frame is \"{}\", write \"prone\" or \"supine\"", where, frame);
+  require(frame.empty() || frame == "prone" || frame == "supine" || frame == "upright",
+          "{}: frame is \"{}\", write \"prone\", \"supine\" or \"upright\"", where, frame);
   // The shared plans say their pose in this sentence; a contradiction must not pass silently.
   const std::string coordinates = text(document, "coordinates", where);
   const bool says_supine = coordinates.find("SUPINE") != std::string::npos;
   const bool says_prone = coordinates.find("PRONE") != std::string::npos;
-  require(!(says_supine && frame != "supine") && !(says_prone && frame == "supine"),
+  const bool says_upright = coordinates.find("UPRIGHT") != std::string::npos;
+  require(!(says_supine && frame != "supine") && !(says_upright && frame != "upright") &&
+              !(says_prone && (frame == "supine" || frame == "upright")),
           "{}: frame is \"{}\" but coordinates says \"{}\"", where,
           frame.empty() ? "prone (default)" : frame, coordinates);
-  return frame == "supine" ? Frame::Supine : Frame::Prone;
+  return frame == "supine" ? Frame::Supine : frame == "upright" ? Frame::Upright : Frame::Prone;
 }
 
 void check_side(const Plan& plan, double midline_x_m, const std::string& where) {
@@ -206,10 +208,13 @@ Plan read_plan(const std::string& json_text, const std::string& file_name) {
 std::string write_plan(const Plan& plan) {
   json document = json::parse(plan.document);
   document["operated_side"] = plan.side == Side::Left ? "L" : "R";
-  document["frame"] = plan.frame == Frame::Prone ? "prone" : "supine";
-  document["coordinates"] = plan.frame == Frame::Prone
-                                ? "LPS mm, DICOM patient frame, PRONE configuration"
-                                : "LPS mm, DICOM patient frame, SUPINE configuration";
+  document["frame"] = plan.frame == Frame::Prone    ? "prone"
+                      : plan.frame == Frame::Supine ? "supine"
+                                                    : "upright";
+  document["coordinates"] =
+      plan.frame == Frame::Prone    ? "LPS mm, DICOM patient frame, PRONE configuration"
+      : plan.frame == Frame::Supine ? "LPS mm, DICOM patient frame, SUPINE configuration"
+                                    : "LPS mm, patient frame of the scan, UPRIGHT configuration";
   if (!plan.quadrant.empty()) {
     document["quadrant"] = plan.quadrant;
   }

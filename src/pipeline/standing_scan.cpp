@@ -1,0 +1,131 @@
+#include "pipeline/standing_scan.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+#include "core/files.hpp"
+#include "io/scan_file.hpp"
+#include "outcome/scan_target.hpp"
+
+namespace sanatrix::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::size_t most_triangles = 400'000;
+constexpr double thinned_edge_m = 0.0015;
+
+json to_json(const Rigid& move) {
+  json rows = json::array();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3& row = move.rotation[i];
+    rows.push_back({row[0], row[1], row[2], 1e3 * move.shift[i]});
+  }
+  return rows;
+}
+
+Rigid rigid_from(const json& rows) {
+  Rigid move;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      move.rotation[i][k] = rows.at(i).at(k).get<double>();
+    }
+    move.shift[i] = 1e-3 * rows.at(i).at(3).get<double>();
+  }
+  return move;
+}
+
+/// One mark by its name; names of others are passed over.
+void set_mark(standing::ScanLandmarks& marks, const std::string& name, const Vec3& mm) {
+  const Vec3 place = 1e-3 * mm;
+  if (name == "nipple_R") {
+    marks.nipple[0] = place;
+  } else if (name == "nipple_L") {
+    marks.nipple[1] = place;
+  } else if (name == "sternal_notch") {
+    marks.sternal_notch = place;
+  }
+}
+
+standing::ScanLandmarks marks_from(const json& file) {
+  standing::ScanLandmarks marks;
+  if (file.contains("markups")) {
+    for (const json& markup : file.at("markups")) {
+      const double flip = markup.value("coordinateSystem", "LPS") == "RAS" ? -1.0 : 1.0;
+      for (const json& point : markup.at("controlPoints")) {
+        const Vec3 p = point.at("position").get<Vec3>();
+        set_mark(marks, point.value("label", ""), {flip * p[0], flip * p[1], p[2]});
+      }
+    }
+    return marks;
+  }
+  for (const auto& [name, place] : file.at("landmarks_scan_mm").items()) {
+    set_mark(marks, name, place.get<Vec3>());
+  }
+  if (file.contains("up_scan")) {
+    marks.up = file.at("up_scan").get<Vec3>();
+    require(norm(*marks.up) > 1e-6, "up_scan is zero; write the direction against gravity");
+  }
+  return marks;
+}
+
+}  // namespace
+
+standing::ScanLandmarks read_marks(const std::string& json_text, const std::string& name) {
+  try {
+    return marks_from(json::parse(json_text));
+  } catch (const json::exception& e) {
+    throw Error(Fault::Input, fmt::format("{}: these landmarks cannot be used: {}", name, e.what()),
+                "write landmarks_scan_mm with nipple_R, nipple_L, sternal_notch, or Slicer markups "
+                "with points of these names");
+  }
+}
+
+void find_standing_frame(Case& patient) {
+  const io::Scan scan = io::read_scan(
+      patient.input("scan"), io::parse_scan_unit(patient.parameters.text("outcome.scan_unit")));
+  standing::ScanLandmarks marks;
+  if (patient.inputs.contains("scan_landmarks")) {
+    marks = read_marks(read_text(patient.input("scan_landmarks")), "scan landmarks");
+  }
+  const standing::ScanFrame frame =
+      during("scan", [&] { return standing::find_frame(scan.surface.mesh, marks); });
+  json j{{"unit", scan.unit},
+         {"scan_to_patient_lps_mm", to_json(frame.to_patient)},
+         {"nipple_lps_mm", {{"R", 1e3 * frame.nipple[0]}, {"L", 1e3 * frame.nipple[1]}}},
+         {"notes", frame.notes}};
+  for (const std::string& note : scan.notes) {
+    j["notes"].push_back(note);
+  }
+  if (frame.sternal_notch) {
+    j["sternal_notch_lps_mm"] = 1e3 * *frame.sternal_notch;
+  }
+  const std::string text = j.dump(2) + "\n";
+  const std::string file = fmt::format("inputs/scan_frame-{:.8}.json", sha256_of_text(text));
+  write_text(patient.folder / file, text);
+  patient.inputs["scan_frame"] = {file, sha256_of_text(text)};
+}
+
+StandingScan load_standing_scan(const Case& patient) {
+  const json j = json::parse(read_text(patient.input("scan_frame")));
+  StandingScan scan;
+  scan.unit = j.at("unit").get<std::string>();
+  scan.to_patient = rigid_from(j.at("scan_to_patient_lps_mm"));
+  scan.nipple = {1e-3 * j.at("nipple_lps_mm").at("R").get<Vec3>(),
+                 1e-3 * j.at("nipple_lps_mm").at("L").get<Vec3>()};
+  scan.notes = j.at("notes").get<std::vector<std::string>>();
+  if (j.contains("sternal_notch_lps_mm")) {
+    scan.sternal_notch = 1e-3 * j["sternal_notch_lps_mm"].get<Vec3>();
+  }
+  const io::Scan file = io::read_scan(patient.input("scan"), io::parse_scan_unit(scan.unit));
+  const TriMesh& mesh = file.surface.mesh;
+  scan.skin = moved(
+      mesh.triangles.size() > most_triangles ? outcome::coarsened(mesh, thinned_edge_m) : mesh,
+      scan.to_patient);
+  return scan;
+}
+
+}  // namespace sanatrix::pipeline

@@ -1,0 +1,136 @@
+#include "standing/breast_pair.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sanatrix::standing {
+namespace {
+
+using meshing::ColumnMap;
+
+constexpr double least_rise_mm = 12.0;  ///< in front of the rolling ball
+constexpr double peak_radius_mm = 40.0, breast_radius_mm = 70.0;
+/// Distance of the nipples of adults: 16 to 30 cm, with room for large and for ptotic breasts.
+constexpr double nearest_mm = 110.0, farthest_mm = 330.0;
+constexpr double mirror_reach_mm = 160.0;  ///< how far from the middle symmetry is looked at
+constexpr double mirror_scale_mm = 12.0;   ///< asymmetry of real trunks
+
+struct Peak {
+  int i, k;
+  double volume;  ///< [cm3] of the rise around it
+};
+
+Vec3 place(const ColumnMap& map, int i, int k) {
+  return {map.origin_mm[0] + i * map.spacing_mm, map.at(i, k),
+          map.origin_mm[1] + k * map.spacing_mm};
+}
+
+/// Calls visit(i, k, dx, dz) for the columns within a radius [mm].
+template <class F>
+void around(const ColumnMap& map, int i, int k, double radius_mm, F&& visit) {
+  const int reach = static_cast<int>(radius_mm / map.spacing_mm);
+  for (int b = std::max(0, k - reach); b <= std::min(map.size[1] - 1, k + reach); ++b) {
+    for (int a = std::max(0, i - reach); a <= std::min(map.size[0] - 1, i + reach); ++a) {
+      const double dx = (a - i) * map.spacing_mm, dz = (b - k) * map.spacing_mm;
+      if (dx * dx + dz * dz <= radius_mm * radius_mm) {
+        visit(a, b, dx, dz);
+      }
+    }
+  }
+}
+
+std::vector<Peak> find_peaks(const FrontMap& front, const ColumnMap& prominence) {
+  std::vector<Peak> peaks;
+  for (int k = 0; k < prominence.size[1]; ++k) {
+    for (int i = 0; i < prominence.size[0]; ++i) {
+      const double here = prominence.at(i, k);
+      if (here < least_rise_mm || !front.seen[prominence.index(i, k)]) {
+        continue;
+      }
+      Peak peak{i, k, 0.0};
+      bool highest = true;
+      around(prominence, i, k, breast_radius_mm, [&](int a, int b, double dx, double dz) {
+        const double there = prominence.at(a, b);
+        const bool before = b < k || (b == k && a < i);  // one of equals
+        const bool near = dx * dx + dz * dz < peak_radius_mm * peak_radius_mm;
+        highest = highest && !(near && (there > here || (there == here && before)));
+        peak.volume += front.seen[prominence.index(a, b)] ? there : 0.0;
+      });
+      if (highest) {
+        peak.volume *= prominence.spacing_mm * prominence.spacing_mm * 1e-3;
+        peaks.push_back(peak);
+      }
+    }
+  }
+  std::ranges::sort(peaks, [](const Peak& a, const Peak& b) { return a.volume > b.volume; });
+  peaks.resize(std::min<std::size_t>(peaks.size(), 12));
+  return peaks;
+}
+
+/// Mean difference [mm] of the front and its mirror image about the middle of two points, with the
+/// turn about the vertical that the points themselves show taken out.
+double asymmetry(const FrontMap& front, const Vec3& a, const Vec3& b) {
+  const ColumnMap& map = front.skin_y;
+  const Vec3 middle = 0.5 * (a + b);
+  const double length = std::hypot(b[0] - a[0], b[2] - a[2]);
+  const double nx = (b[0] - a[0]) / length, nz = (b[2] - a[2]) / length;
+  const double slope = (b[1] - a[1]) / length;
+  double sum = 0, count = 0;
+  const int i = static_cast<int>(std::lround((middle[0] - map.origin_mm[0]) / map.spacing_mm));
+  const int k = static_cast<int>(std::lround((middle[2] - map.origin_mm[1]) / map.spacing_mm));
+  around(map, i, k, mirror_reach_mm, [&](int p, int q, double dx, double dz) {
+    const double across = dx * nx + dz * nz;
+    const std::size_t there =
+        map.nearest(middle[0] + dx - 2 * across * nx, middle[2] + dz - 2 * across * nz);
+    if (across > 0 && front.seen[map.index(p, q)] && front.seen[there]) {
+      sum += std::abs(map.at(p, q) - map.value[there] - 2 * across * slope);
+      count += 1;
+    }
+  });
+  return count > 50 ? sum / count : 1e3;
+}
+
+/// Moment [mm] of the rise about the tip along n.
+double leaning(const ColumnMap& prominence, const Peak& peak, double nx, double nz) {
+  double moment = 0, total = 0;
+  around(prominence, peak.i, peak.k, breast_radius_mm, [&](int a, int b, double dx, double dz) {
+    moment += prominence.at(a, b) * (dx * nx + dz * nz);
+    total += prominence.at(a, b);
+  });
+  return moment / total;
+}
+
+}  // namespace
+
+std::optional<BreastPair> find_pair(const FrontMap& front, const ColumnMap& prominence) {
+  const std::vector<Peak> peaks = find_peaks(front, prominence);
+  std::optional<BreastPair> best;
+  for (std::size_t m = 0; m < peaks.size(); ++m) {
+    for (std::size_t n = m + 1; n < peaks.size(); ++n) {
+      std::array<Peak, 2> two{peaks[m], peaks[n]};
+      if (two[0].i > two[1].i) {
+        std::swap(two[0], two[1]);
+      }
+      const Vec3 a = place(front.skin_y, two[0].i, two[0].k);
+      const Vec3 b = place(front.skin_y, two[1].i, two[1].k);
+      const double apart = std::hypot(b[0] - a[0], b[2] - a[2]);
+      if (apart < nearest_mm || apart > farthest_mm) {
+        continue;
+      }
+      const double small = std::min(two[0].volume, two[1].volume);
+      const double large = std::max(two[0].volume, two[1].volume);
+      const double score =
+          small * small / large * std::exp(-asymmetry(front, a, b) / mirror_scale_mm);
+      if (!best || score > best->score) {
+        const double nx = -(b[2] - a[2]) / apart, nz = (b[0] - a[0]) / apart;
+        best =
+            BreastPair{{a, b},
+                       score,
+                       leaning(prominence, two[0], nx, nz) + leaning(prominence, two[1], nx, nz)};
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace sanatrix::standing

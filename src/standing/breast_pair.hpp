@@ -1,0 +1,25 @@
+// Two rises side by side on the front of a trunk that is the same on both sides.
+#pragma once
+
+#include <optional>
+
+#include "geometry/vec3.hpp"
+#include "standing/front_map.hpp"
+
+namespace sanatrix::standing {
+
+/// While it is not known which way is up, the same in all directions.
+inline constexpr meshing::RollingBall search_ball{120.0, 120.0, 120.0};
+
+struct BreastPair {
+  std::array<Vec3, 2> tip_mm{};  ///< LPS of the map; [0] at lower x
+  double score = 0.0;            ///< the larger, the more like two breasts
+  /// Which way along the map the breasts' upper poles lie, from their centre of mass seen from the
+  /// tips: in +n (above 0) or -n, n the frontal normal of the line from tip 0 to tip 1.
+  double upper_pole = 0.0;
+};
+
+/// The best pair on the front as it is held now, in any turn about y; nothing when there is none.
+std::optional<BreastPair> find_pair(const FrontMap& front, const meshing::ColumnMap& prominence);
+
+}  // namespace sanatrix::standing

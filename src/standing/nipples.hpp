@@ -1,0 +1,13 @@
+// Nipples and sternal notch on a scan whose axes are known.
+#pragma once
+
+#include "standing/scan_frame.hpp"
+
+namespace sanatrix::standing {
+
+/// Fills to_patient, nipple and sternal_notch; marked ones are taken as they are. `rotation` turns
+/// the scan into LPS. Error{Input} when there is no breast on one side.
+void locate_nipples(const TriMesh& scan, const Mat3& rotation, const ScanLandmarks& marks,
+                    ScanFrame& frame);
+
+}  // namespace sanatrix::standing

@@ -1,0 +1,227 @@
+#include "standing/scan_frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.hpp"
+#include "outcome/scan_target.hpp"
+#include "outcome/torso.hpp"
+#include "standing/breast_pair.hpp"
+#include "standing/nipples.hpp"
+
+namespace sanatrix::standing {
+namespace {
+
+constexpr double search_edge_m = 0.005;
+constexpr double search_spacing_mm = 5.0;
+/// Less than this and two rises are folds of the skin or of clothes [cm3, see find_pair].
+constexpr double least_score = 8.0;
+/// Skin that stands less than this in front of the rolling ball is not breast [mm].
+constexpr double still_mm = 6.0;
+/// Cameras are levelled: an axis of the scanner this near to the body's axis is the vertical.
+constexpr double level_deg = 15.0;
+
+/// Rows: the patient's left, back, up, as directions of the scan.
+Mat3 axes(const Vec3& left_about, const Vec3& up) {
+  const Vec3 left = normalised(left_about - dot(left_about, up) * up);
+  return {left, cross(up, left), up};
+}
+
+struct Front {
+  TriMesh surface;  ///< turned, [m]
+  FrontMap map;
+  meshing::ColumnMap prominence;
+};
+
+Front look(const TriMesh& scan, const Mat3& rotation) {
+  Front front{moved(scan, {rotation, {}}), {}, {}};
+  front.map =
+      front_map(front.surface, window_of(front.surface, search_spacing_mm), search_spacing_mm);
+  front.prominence = meshing::prominence_of(front.map.skin_y, search_ball);
+  return front;
+}
+
+/// Sum of area x normal, and of area x |its part| over all triangles.
+Vec3 mean_normal(const TriMesh& scan) {
+  Vec3 sum{};
+  double total = 0;
+  for (const auto& [a, b, c] : scan.triangles) {
+    const Vec3& p = scan.points[static_cast<std::size_t>(a)];
+    const Vec3 n = cross(scan.points[static_cast<std::size_t>(b)] - p,
+                         scan.points[static_cast<std::size_t>(c)] - p);
+    sum += n;
+    total += norm(n);
+  }
+  return (1 / total) * sum;
+}
+
+/// Directions in which the front may be: where the skin looks on average, or all round and across
+/// when the scan goes round the body.
+std::vector<Vec3> possible_fronts(const TriMesh& scan) {
+  const Vec3 mean = mean_normal(scan);
+  if (norm(mean) > 0.2) {
+    return {normalised(mean)};
+  }
+  std::vector<Vec3> fronts;
+  constexpr int rings = 6;  // 30 degrees apart; refined afterwards
+  for (int r = 0; r <= rings; ++r) {
+    const double polar = std::numbers::pi * r / rings;
+    const int count = std::max(1, static_cast<int>(std::lround(12 * std::sin(polar))));
+    for (int i = 0; i < count; ++i) {
+      const double turn = 2 * std::numbers::pi * i / count;
+      fronts.push_back(
+          {std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)});
+    }
+  }
+  return fronts;
+}
+
+Mat3 facing(const Vec3& front) {
+  const Vec3 any = std::abs(front[0]) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  return axes(any - dot(any, front) * front, normalised(cross(front, any)));
+}
+
+struct Found {
+  Mat3 rotation = identity3;
+  double score = 0.0;
+  double upper_pole_mm = 0.0;
+};
+
+/// The turn that brings the best pair of breasts level, with their upper poles upwards.
+Found search(const TriMesh& coarse) {
+  Found best;
+  for (const Vec3& direction : possible_fronts(coarse)) {
+    Mat3 rotation = facing(direction);
+    // axes() makes left x up point to the back: turn it so that back is away from the front.
+    if (dot(rotation[1], direction) > 0) {
+      rotation = {-1.0 * rotation[0], -1.0 * rotation[1], rotation[2]};
+    }
+    const Front front = look(coarse, rotation);
+    const auto pair = find_pair(front.map, front.prominence);
+    if (!pair || pair->score <= best.score) {
+      continue;
+    }
+    const double sign = pair->upper_pole >= 0 ? 1.0 : -1.0;
+    const Vec3 along = sign * (pair->tip_mm[1] - pair->tip_mm[0]);
+    const Mat3 level = axes({along[0], 0, along[2]}, normalised({-along[2], 0, along[0]}));
+    best = {level * rotation, pair->score, std::abs(pair->upper_pole)};
+  }
+  return best;
+}
+
+/// The vertical in the plane across the line of the nipples: the trunk is drawn out along it, so
+/// that the normals of skin beside the breasts have the least part in it.
+Vec3 trunk_axis(const Front& front, double middle_x_mm, double middle_z_mm) {
+  constexpr double half_width_mm = 140.0, half_height_mm = 180.0;
+  double yy = 0, yz = 0, zz = 0;
+  for (const auto& [a, b, c] : front.surface.triangles) {
+    const Vec3& p = front.surface.points[static_cast<std::size_t>(a)];
+    const Vec3& q = front.surface.points[static_cast<std::size_t>(b)];
+    const Vec3& r = front.surface.points[static_cast<std::size_t>(c)];
+    const Vec3 centre = (1e3 / 3) * (p + q + r);
+    const bool near = std::abs(centre[0] - middle_x_mm) < half_width_mm &&
+                      std::abs(centre[2] - middle_z_mm) < half_height_mm;
+    const std::size_t column = front.prominence.nearest(centre[0], centre[2]);
+    if (near && front.prominence.value[column] < still_mm) {
+      const Vec3 n = cross(q - p, r - p);
+      const double weight = 1 / std::max(norm(n), 1e-12);
+      yy += weight * n[1] * n[1];
+      yz += weight * n[1] * n[2];
+      zz += weight * n[2] * n[2];
+    }
+  }
+  // The least eigenvector of [yy yz; yz zz], z upwards.
+  const double angle = 0.5 * std::atan2(2 * yz, yy - zz);
+  const Vec3 axis{0, -std::sin(angle), std::cos(angle)};
+  return axis[2] < 0 ? -1.0 * axis : axis;
+}
+
+/// Turns the frame by the trunk's own axis, the tips of the breasts and the mirror symmetry of what
+/// is not breast.
+Mat3 refined(const TriMesh& coarse, const Mat3& rotation, const std::optional<Vec3>& up) {
+  const Front front = look(coarse, rotation);
+  const auto pair = find_pair(front.map, front.prominence);
+  if (!pair) {
+    return rotation;
+  }
+  const Vec3 middle = 0.5 * (pair->tip_mm[0] + pair->tip_mm[1]);
+  Vec3 along = pair->tip_mm[1] - pair->tip_mm[0];
+  const Vec3 vertical = up ? normalised(rotation * *up) : trunk_axis(front, middle[0], middle[2]);
+  outcome::Torso torso;
+  torso.skin = front.surface;
+  torso.up = vertical;
+  torso.notch = 1e-3 * middle;
+  for (const Vec3& p : front.surface.points) {
+    const bool near =
+        std::abs(1e3 * p[0] - middle[0]) < 170 && std::abs(1e3 * p[2] - middle[2]) < 200;
+    const double rise = front.prominence.value[front.prominence.nearest(1e3 * p[0], 1e3 * p[2])];
+    torso.breast.push_back(near && rise < still_mm ? 0 : 1);
+  }
+  const outcome::BodyFrame body = outcome::body_frame(torso, normalised(along));
+  // Symmetry that contradicts the breasts by far has found something else.
+  constexpr double most_turn = 0.94;  // cosine of 20 degrees
+  const Vec3 left = dot(body.left, normalised(along)) > most_turn ? body.left : along;
+  return axes(left, vertical) * rotation;
+}
+
+/// The scanner's own vertical, if the patient stands along it.
+std::optional<Vec3> level_of(const Vec3& up) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (std::abs(up[a]) > std::cos(level_deg * std::numbers::pi / 180)) {
+      Vec3 level{};
+      level[a] = up[a] > 0 ? 1.0 : -1.0;
+      return level;
+    }
+  }
+  return std::nullopt;
+}
+
+/// From marked nipples and notch: the notch lies above and about 20 degrees behind the nipples.
+Mat3 marked_rotation(const ScanLandmarks& marks) {
+  const Vec3 along = *marks.nipple[1] - *marks.nipple[0];
+  const Vec3 rise = *marks.sternal_notch - 0.5 * (*marks.nipple[0] + *marks.nipple[1]);
+  const Mat3 rough = axes(along, normalised(rise - (dot(rise, along) / dot(along, along)) * along));
+  constexpr double back = 0.36;  // tan 20 degrees
+  return axes(along, normalised(rough[2] - back * rough[1]));
+}
+
+}  // namespace
+
+ScanFrame find_frame(const TriMesh& scan, const ScanLandmarks& marks) {
+  const TriMesh coarse = outcome::coarsened(scan, search_edge_m);
+  ScanFrame frame;
+  const bool marked = marks.nipple[0] && marks.nipple[1] && marks.sternal_notch;
+  Found found;
+  if (marked) {
+    found.rotation = marked_rotation(marks);
+  } else {
+    found = search(coarse);
+    if (found.score < least_score) {
+      throw Error(Fault::Input,
+                  "no two breasts side by side are found on the scan, so it is not known how the "
+                  "patient stands in it",
+                  "give a scan of the bare trunk, or mark the nipples and the sternal notch "
+                  "(--scan-landmarks)");
+    }
+  }
+  std::optional<Vec3> up = marks.up ? std::optional(normalised(*marks.up)) : std::nullopt;
+  Mat3 rotation = found.rotation;
+  for (int i = 0; i < 2; ++i) {
+    rotation = refined(coarse, rotation, up);
+  }
+  if (!up) {
+    up = level_of(rotation[2]);
+    frame.notes.push_back(
+        up ? "the vertical is the scanner's axis, which the trunk follows within 15 degrees"
+           : "the vertical is the trunk's own axis; it may be 10 degrees off (mark \"up\" to be "
+             "sure)");
+    if (up) {
+      rotation = refined(coarse, rotation, up);
+    }
+  }
+  locate_nipples(scan, rotation, marks, frame);
+  return frame;
+}
+
+}  // namespace sanatrix::standing

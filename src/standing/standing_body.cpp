@@ -1,0 +1,251 @@
+#include "standing/standing_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "geometry/image_filters.hpp"
+#include "standing/closed_body.hpp"
+
+namespace sanatrix::standing {
+namespace {
+
+constexpr double map_spacing_mm = 4.0;   ///< as meshing looks for the breasts
+constexpr double body_spacing_mm = 2.0;  ///< of the distance to the skin; smooth between
+/// Beyond the breasts; the mesh ends 25 mm beyond them (meshing/anatomy.cpp).
+constexpr double beyond_mm = 45.0;
+constexpr double behind_rim_mm = 60.0;
+constexpr double skin_mm = 2.0;
+constexpr double muscle_mm = 12.0;
+/// Arms, neck and hips do not belong to the model.
+constexpr std::array<double, 2> trunk_half_mm{230.0, 240.0};
+
+/// The scan around the breasts.
+TriMesh trunk_of(const TriMesh& skin) {
+  TriMesh trunk{skin.points, {}};
+  for (const auto& t : skin.triangles) {
+    const bool near = std::ranges::all_of(t, [&](int v) {
+      const Vec3& p = skin.points[static_cast<std::size_t>(v)];
+      return std::abs(1e3 * p[0]) < trunk_half_mm[0] && std::abs(1e3 * p[2]) < trunk_half_mm[1];
+    });
+    if (near) {
+      trunk.triangles.push_back(t);
+    }
+  }
+  return trunk;
+}
+
+const char* name_of(std::size_t side) {
+  return side == 0 ? "right" : "left";
+}
+
+/// Refuses scans that do not show enough of a breast; returns the share that is not seen.
+double check_coverage(const FrontMap& front, const meshing::BreastMap& breasts) {
+  constexpr double most_unseen = 0.4, largest_hole_mm = 20.0;
+  const std::vector<double> to_skin = frontal_distance(front.skin_y, front.seen);
+  const std::vector<bool> holes = front.holes();
+  std::array<double, 2> all{}, unseen{};
+  for (std::size_t c = 0; c < holes.size(); ++c) {
+    if (breasts.side[c] == 0) {
+      continue;
+    }
+    const std::size_t side = breasts.side[c] < 0 ? 0 : 1;
+    all[side] += 1;
+    unseen[side] += front.seen[c] ? 0 : 1;
+    if (holes[c] && to_skin[c] > largest_hole_mm) {
+      throw Error(Fault::Input,
+                  fmt::format("the scan has a hole over the {} breast that is more than {:.0f} mm "
+                              "wide",
+                              name_of(side), 2 * largest_hole_mm),
+                  "scan the patient again from more directions, or close the hole by hand");
+    }
+  }
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (unseen[side] > most_unseen * all[side]) {
+      throw Error(Fault::Input,
+                  fmt::format("the scan shows only {:.0f} % of the {} breast",
+                              100 * (1 - unseen[side] / all[side]), name_of(side)),
+                  "give a scan from the collar bones to below the folds, and round to the flanks");
+    }
+  }
+  return (unseen[0] + unseen[1]) / (all[0] + all[1]);
+}
+
+LabelImage grid_around(const meshing::BreastMap& breasts, const FrontMap& front,
+                       double spacing_mm) {
+  Vec3 low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
+  const meshing::ColumnMap& map = front.skin_y;
+  for (int k = 0; k < map.size[1]; ++k) {
+    for (int i = 0; i < map.size[0]; ++i) {
+      if (const std::size_t c = map.index(i, k); breasts.side[c] != 0) {
+        const Vec3 p{map.origin_mm[0] + i * map.spacing_mm, map.value[c],
+                     map.origin_mm[1] + k * map.spacing_mm};
+        for (std::size_t a = 0; a < 3; ++a) {
+          low[a] = std::min(low[a], p[a]);
+          high[a] = std::max(high[a], p[a]);
+        }
+        high[1] = std::max(high[1], breasts.base.value[c]);
+      }
+    }
+  }
+  LabelImage grid{.spacing_mm = {spacing_mm, spacing_mm, spacing_mm}, .voxels = {}};
+  std::size_t count = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    grid.origin_mm[a] = low[a] - (a == 1 ? 10.0 : beyond_mm);
+    const double end = high[a] + (a == 1 ? behind_rim_mm : beyond_mm);
+    grid.size[a] = 1 + static_cast<int>((end - grid.origin_mm[a]) / spacing_mm);
+    count *= static_cast<std::size_t>(grid.size[a]);
+  }
+  grid.voxels.assign(count, 0);
+  return grid;
+}
+
+Image3<float> body_on(const LabelImage& labels, const TriMesh& skin) {
+  Image3<float> body{.size = {},
+                     .spacing_mm = {body_spacing_mm, body_spacing_mm, body_spacing_mm},
+                     .origin_mm = labels.origin_mm,
+                     .voxels = {}};
+  std::size_t count = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    body.size[a] =
+        2 + static_cast<int>((labels.size[a] - 1) * labels.spacing_mm[a] / body_spacing_mm);
+    count *= static_cast<std::size_t>(body.size[a]);
+  }
+  body.voxels.resize(count);
+  measure_body(skin, body);
+  return body;
+}
+
+/// Depth [mm] below the skin of the trunk without breasts, on the body's grid.
+Image3<float> depth_in_trunk(const Image3<float>& body, const meshing::ColumnMap& base) {
+  Mask trunk = image_like<unsigned char>(body);
+  std::size_t voxel = 0;
+  for (int k = 0; k < body.size[2]; ++k) {
+    for (int j = 0; j < body.size[1]; ++j) {
+      for (int i = 0; i < body.size[0]; ++i, ++voxel) {
+        const Vec3 p = body.position_mm(i, j, k);
+        const bool inside = body.voxels[voxel] < 0 && p[1] > base.value[base.nearest(p[0], p[2])];
+        trunk.voxels[voxel] = inside ? 1 : 0;
+      }
+    }
+  }
+  Image3<float> depth = signed_distance(trunk, {true, true, true}, 40.0);
+  smooth(depth, 4.0);  // takes the stairs of columns and voxels off
+  for (float& d : depth.voxels) {
+    d = -d;
+  }
+  return depth;
+}
+
+class Painter {
+ public:
+  Painter(const TriMesh& skin, const std::array<Vec3, 2>& nipple, const BodyOptions& options)
+      : options_(options), skin_(trunk_of(skin)) {
+    require(!skin_.triangles.empty(), "nothing of the scan lies around the nipples");
+    for (std::size_t side = 0; side < 2; ++side) {
+      nipple_mm_[side] = 1e3 * nipple[side];
+    }
+  }
+
+  StandingBody run(const Context& ctx) {
+    front_ = front_map(skin_, window_of(skin_, 2 * map_spacing_mm), map_spacing_mm);
+    breasts_ = meshing::map_breasts(front_.skin_y, front_.skin_y,
+                                    {.midline_x_mm = 0.0,
+                                     .nipple_mm = nipple_mm_,
+                                     .ball = meshing::standing_ball,
+                                     .breast_reach_mm = meshing::standing_reach_mm});
+    StandingBody result;
+    result.unseen_share = check_coverage(front_, breasts_);
+    ctx.at(0.1, "closing the skin");
+    LabelImage labels = grid_around(breasts_, front_, options_.spacing_mm);
+    body_ = body_on(labels, skin_);
+    ctx.at(0.5, "chest wall");
+    depth_ = depth_in_trunk(body_, trunk_without_breasts(front_, breasts_));
+    ctx.at(0.7, "labels");
+    result.side = breasts_.side;
+    paint(std::move(labels), result);
+    find_wall(result);
+    return result;
+  }
+
+ private:
+  [[nodiscard]] signed char side_at(const Vec3& p) const {
+    return breasts_.side[breasts_.base.nearest(p[0], p[2])];
+  }
+
+  void paint(LabelImage labels, StandingBody& result) const {
+    imaging::Segmentation& out = result.segmentation;
+    out.fibroglandular = image_like<float>(labels);
+    std::array<double, 2> area_mm2{}, voxels{};
+    std::size_t voxel = 0;
+    for (int k = 0; k < labels.size[2]; ++k) {
+      for (int j = 0; j < labels.size[1]; ++j) {
+        for (int i = 0; i < labels.size[0]; ++i, ++voxel) {
+          const Vec3 p = labels.position_mm(i, j, k);
+          const double outside = sample(body_, p);
+          if (outside > 0) {
+            continue;
+          }
+          const double behind = sample(depth_, p) - options_.wall_depth_mm;
+          using enum Label;
+          Label label = Adipose;
+          if (behind > 0) {
+            label = behind < muscle_mm ? Muscle : Organ;
+          } else if (outside > -skin_mm) {
+            label = Skin;
+          }
+          labels.voxels[voxel] = static_cast<unsigned char>(label);
+          if (const signed char side = side_at(p); side != 0 && behind <= 0) {
+            out.fibroglandular.voxels[voxel] = static_cast<float>(options_.gland_share);
+            voxels[side < 0 ? 0 : 1] += 1;
+          }
+        }
+      }
+    }
+    for (const signed char side : breasts_.side) {
+      if (side != 0) {
+        area_mm2[side < 0 ? 0 : 1] += map_spacing_mm * map_spacing_mm;
+      }
+    }
+    for (std::size_t s = 0; s < 2; ++s) {
+      result.breast_cm3[s] = voxels[s] * labels.voxel_volume_mm3() * 1e-3;
+      result.breast_doubt_cm3[s] = area_mm2[s] * wall_doubt_mm * 1e-3;
+    }
+    out.labels = std::move(labels);
+    out.midline_x_mm = 0.0;
+    out.nipple_mm = nipple_mm_;
+    out.nipples_from_label = true;
+  }
+
+  void find_wall(StandingBody& result) const {
+    result.wall_y = breasts_.base;
+    const LabelImage& labels = result.segmentation.labels;
+    for (int k = 0; k < result.wall_y.size[1]; ++k) {
+      for (int i = 0; i < result.wall_y.size[0]; ++i) {
+        Vec3 p{result.wall_y.origin_mm[0] + i * map_spacing_mm, labels.origin_mm[1],
+               result.wall_y.origin_mm[1] + k * map_spacing_mm};
+        const double end = labels.position_mm(0, labels.size[1] - 1, 0)[1];
+        while (p[1] < end && sample(depth_, p) < options_.wall_depth_mm) {
+          p[1] += 0.5;
+        }
+        result.wall_y.at(i, k) = p[1];
+      }
+    }
+  }
+
+  BodyOptions options_;
+  TriMesh skin_;
+  std::array<Vec3, 2> nipple_mm_{};
+  FrontMap front_;
+  meshing::BreastMap breasts_;
+  Image3<float> body_, depth_;
+};
+
+}  // namespace
+
+StandingBody build_body(const TriMesh& skin, const std::array<Vec3, 2>& nipple,
+                        const BodyOptions& options, const Context& ctx) {
+  return Painter(skin, nipple, options).run(ctx);
+}
+
+}  // namespace sanatrix::standing

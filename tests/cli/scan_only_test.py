@@ -1,0 +1,88 @@
+"""From a surface scan alone to the outcome. Usage: scan_only_test.py PROGRAM"""
+import json
+import math
+
+from sanatrix_cli import CliTest, QUICK, main, outcome_of
+
+
+def skin(x, z, rise=50.0):
+    """y [mm] of an elliptic trunk with two breasts, upper poles longer than lower ones."""
+    chest = 100 - 100 * math.sqrt(1 - (x / 160) ** 2)
+    across, along = (abs(x) - 85) / 36, z / (52 if z > 0 else 30)
+    return chest - rise * math.exp(-0.5 * (across ** 2 + along ** 2))
+
+
+def write_scan(path, unit=1.0, rise=50.0):
+    """As a camera delivers it: x left, y up, z to the front; `unit` in millimetres."""
+    nx, nz, h = 61, 65, 5.0
+    points, faces = [], []
+    for k in range(nz):
+        for i in range(nx):
+            x, z = h * (i - nx // 2), h * (k - nz // 2)
+            points.append((x / unit, (z + 1200) / unit, -skin(x, z, rise) / unit))
+            if i + 1 < nx and k + 1 < nz:
+                a = k * nx + i
+                faces += [(a, a + 1, a + nx), (a + 1, a + nx + 1, a + nx)]
+    text = "".join(f"v {x:.4f} {y:.4f} {z:.4f}\n" for x, y, z in points)
+    path.write_text(text + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces))
+
+
+PLAN = {"operated_side": "L", "planned_margin_mm": 8,
+        "tumour": {"clock": "1:30", "from_nipple_mm": 25, "depth_mm": 22, "diameter_mm": 12}}
+
+
+class ScanOnly(CliTest):
+    def test_a_scan_in_centimetres_goes_to_the_outcome(self):
+        scan, plan, case = (self.folder / name for name in ["torso.obj", "plan.json", "case"])
+        write_scan(scan, unit=10.0)
+        plan.write_text(json.dumps(PLAN))
+        made = self.run_ok("new", case, "--scan", scan, "--pose", "upright", "--density", "c",
+                           "--plan", plan)
+        self.assertIn("scan in cm", made.stdout)
+        self.run_ok("run", case, *QUICK)
+        outcome = outcome_of(case)
+        # Made of the scan, she must stand as in the scan again: 5 mm columns of the scan, elements
+        # of about 10 mm over a radius of 40 mm (sagitta 0.3 mm), labels of 2 mm.
+        self.assertLess(outcome["scans"]["preop"]["model_error"]["both_breasts"]["mean_mm"], 1.0)
+        estimate = outcome["scan_only"]
+        self.assertTrue(estimate["chest_wall"]["estimated"])
+        self.assertGreater(estimate["breast_doubt_cm3"]["L"], 20)
+        self.assertTrue([w for w in outcome["warnings"] if "chest wall is estimated" in w])
+        # All of the breast, and nothing else, is the mixture.
+        tissue = outcome["tissue_cm3"]["L"]
+        self.assertAlmostEqual(tissue["fibroglandular"] / outcome["breast_volume_cm3"]["L"], 0.35,
+                               delta=0.04)
+        # Mirrored trunk: both sides alike.
+        volume = outcome["breast_volume_cm3"]
+        self.assertLess(abs(volume["L"] - volume["R"]), 0.06 * volume["L"])
+        placed = json.loads(next((case / "inputs").glob("plan-*.json")).read_text())
+        x, y, z = placed["tumour"]["centre_lps_mm"]
+        self.assertEqual(placed["frame"], "upright")
+        nipple = json.loads(next((case / "inputs").glob("scan_frame-*.json")).read_text())
+        left = nipple["nipple_lps_mm"]["L"]
+        self.assertGreater(x, left[0])  # half past one of the left breast: up and out
+        self.assertGreater(z, left[2])
+        self.assertGreater(y, left[1])
+
+    def test_bad_input_is_told_in_a_line(self):
+        scan, case = self.folder / "torso.obj", self.folder / "case"
+        write_scan(scan)
+        self.refused(1, "new", case, "--scan", scan, says=["--pose upright"])
+        flat = self.folder / "flat.obj"
+        write_scan(flat, rise=3.0)
+        self.refused(2, "new", case, "--scan", flat, "--pose", "upright", says=["no two breasts"])
+        prone = self.folder / "prone.json"
+        prone.write_text(json.dumps({"operated_side": "L", "tumour": {
+            "centre_lps_mm": [80, 0, 0], "equivalent_radius_mm": 6}}))
+        self.refused(2, "new", case, "--scan", scan, "--pose", "upright", "--plan", prone,
+                     says=["prone", "standing scan"])
+        silent = self.folder / "nowhere.json"
+        silent.write_text(json.dumps({**PLAN, "tumour": {"from_nipple_mm": 30, "depth_mm": 20,
+                                                         "diameter_mm": 12}}))
+        self.refused(2, "new", case, "--scan", scan, "--pose", "upright", "--plan", silent,
+                     says=["tumour.clock"])
+        self.assertFalse(case.exists())
+
+
+if __name__ == "__main__":
+    main()

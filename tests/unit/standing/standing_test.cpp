@@ -1,0 +1,127 @@
+// A trunk of formulas, scanned in any pose: the frame, the closed body and the wall are known.
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "core/error.hpp"
+#include "standing/scan_frame.hpp"
+#include "standing/standing_body.hpp"
+
+namespace sanatrix::standing {
+namespace {
+
+/// Front of an elliptic trunk with two breasts whose upper poles are longer than their lower ones.
+struct Trunk {
+  double rise_mm = 50.0;
+  Vec3 hole_mm{1e3, 0, 0};
+  double hole_radius_mm = 0.0;
+
+  static double chest(double x) { return 100 - 100 * std::sqrt(1 - x * x / (160 * 160)); }
+  [[nodiscard]] double bump(double x, double z) const {
+    const double across = (std::abs(x) - 85) / 36, along = z / (z > 0 ? 52 : 30);
+    return rise_mm * std::exp(-0.5 * (across * across + along * along));
+  }
+  [[nodiscard]] TriMesh scan() const {
+    TriMesh mesh;
+    constexpr int nx = 75, nz = 81;
+    for (int k = 0; k < nz; ++k) {
+      for (int i = 0; i < nx; ++i) {
+        const double x = 4.0 * (i - nx / 2), z = 4.0 * (k - nz / 2);
+        mesh.points.push_back(1e-3 * Vec3{x, chest(x) - bump(x, z), z});
+      }
+    }
+    for (int k = 0; k + 1 < nz; ++k) {
+      for (int i = 0; i + 1 < nx; ++i) {
+        const int a = k * nx + i;
+        const Vec3& p = mesh.points[static_cast<std::size_t>(a)];
+        if (std::hypot(1e3 * p[0] - hole_mm[0], 1e3 * p[2] - hole_mm[2]) > hole_radius_mm) {
+          mesh.triangles.push_back({a, a + 1, a + nx});
+          mesh.triangles.push_back({a + 1, a + nx + 1, a + nx});
+        }
+      }
+    }
+    return mesh;
+  }
+};
+
+Rigid some_pose(double turn) {
+  const double c = std::cos(turn), s = std::sin(turn);
+  const Mat3 about_z{{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}},
+      about_x{{{1, 0, 0}, {0, c, -s}, {0, s, c}}};
+  return {about_z * about_x, {0.3, -1.1, 0.7}};
+}
+
+double degrees_between(const Vec3& a, const Vec3& b) {
+  return std::acos(std::min(1.0, dot(a, b))) * 180 / std::numbers::pi;
+}
+
+TEST(ScanFrame, IsFoundInAnyPose) {
+  for (const double turn : {0.0, 0.9, 2.4, 4.0}) {
+    const Rigid pose = some_pose(turn);
+    const ScanFrame frame = find_frame(moved(Trunk{}.scan(), pose), {});
+    const Mat3 left_over = frame.to_patient.rotation * pose.rotation;
+    // The trunk is straight and symmetric: only the scan's 4 mm columns blur its axes.
+    for (std::size_t a = 0; a < 3; ++a) {
+      const Vec3 axis{left_over[0][a], left_over[1][a], left_over[2][a]};
+      Vec3 wanted{};
+      wanted[a] = 1;
+      EXPECT_LT(degrees_between(axis, wanted), 3.0) << "axis " << a << ", turn " << turn;
+    }
+    // Without a bump the nipple is the foremost place, between two search columns of 5 mm.
+    EXPECT_NEAR(1e3 * norm(frame.nipple[1] - frame.nipple[0]), 2 * 80.0, 12.0);
+    EXPECT_GT(frame.nipple[1][0], 0.0);
+  }
+}
+
+TEST(ScanFrame, ATrunkWithoutBreastsIsRefused) {
+  EXPECT_THROW(find_frame(Trunk{.rise_mm = 4.0}.scan(), {}), Error);
+}
+
+StandingBody body_of(const Trunk& trunk, double depth_mm = usual_wall_depth_mm) {
+  Silent silent;
+  const std::array<Vec3, 2> nipple{1e-3 * Vec3{-81, Trunk::chest(81) - 50, 0},
+                                   1e-3 * Vec3{81, Trunk::chest(81) - 50, 0}};
+  return build_body(trunk.scan(), nipple, {.spacing_mm = 2.0, .wall_depth_mm = depth_mm},
+                    Context("test", silent));
+}
+
+TEST(StandingBody, TheWallLiesBehindTheBreastsOfAKnownTrunk) {
+  const Trunk trunk;
+  const StandingBody body = body_of(trunk);
+  double sum = 0, count = 0;
+  for (int k = 0; k < body.wall_y.size[1]; ++k) {
+    for (int i = 0; i < body.wall_y.size[0]; ++i) {
+      const double x = body.wall_y.origin_mm[0] + i * body.wall_y.spacing_mm;
+      if (body.side[body.wall_y.index(i, k)] != 0 && std::abs(x) < 110) {
+        // Perpendicular depth, seen along y.
+        const double slope = (Trunk::chest(std::abs(x) + 1) - Trunk::chest(std::abs(x))) / 1.0;
+        const double wall = Trunk::chest(x) + usual_wall_depth_mm * std::hypot(1.0, slope);
+        sum += std::abs(body.wall_y.at(i, k) - wall);
+        count += 1;
+      }
+    }
+  }
+  ASSERT_GT(count, 200);
+  // Gaussian breasts have wide tails beyond the footprint that pull the wall forward: a hard case.
+  EXPECT_LT(sum / count, 1.5 * wall_doubt_mm);
+  EXPECT_LT(std::abs(body.breast_cm3[0] - body.breast_cm3[1]), 0.05 * body.breast_cm3[0]);
+}
+
+TEST(StandingBody, ADeeperWallMakesLargerBreasts) {
+  const StandingBody usual = body_of({}), deep = body_of({}, usual_wall_depth_mm + wall_doubt_mm);
+  // The stated doubt of the volume is what the doubt of the wall does.
+  const double change = deep.breast_cm3[1] - usual.breast_cm3[1];
+  EXPECT_NEAR(change, usual.breast_doubt_cm3[1], 0.35 * usual.breast_doubt_cm3[1]);
+}
+
+TEST(StandingBody, SmallHolesAreClosedAndLargeOnesRefused) {
+  const StandingBody whole = body_of({});
+  const StandingBody mended = body_of({.hole_mm = {85, 0, 30}, .hole_radius_mm = 10});
+  EXPECT_NEAR(mended.breast_cm3[1], whole.breast_cm3[1], 0.02 * whole.breast_cm3[1]);
+  EXPECT_THROW(body_of({.hole_mm = {85, 0, 0}, .hole_radius_mm = 30}), Error);
+}
+
+}  // namespace
+}  // namespace sanatrix::standing
