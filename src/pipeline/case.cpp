@@ -13,6 +13,7 @@
 #include "imaging/segmentation.hpp"
 #include "io/image_file.hpp"
 #include "io/scan_file.hpp"
+#include "io/slicer_segmentation.hpp"
 #include "pipeline/intake.hpp"
 #include "pipeline/tumour.hpp"
 
@@ -44,11 +45,17 @@ InputFile take_in(const fs::path& folder, const std::string& name,
   return {"inputs/" + name, sha256_of_file(to)};
 }
 
-/// Labels are written anew: headers of image files may name a person too.
-InputFile take_in_labels(const fs::path& file, const fs::path& folder) {
-  const LabelImage labels = io::read_labels(file);
-  return take_in(folder, "labels" + image_extension(file),
-                 [&](const fs::path& to) { io::write_labels(labels, to); });
+/// Labels are written anew: headers of image files may name a person too. What Slicer saved is
+/// brought to our label table by the names of its segments.
+void take_in_labels(const fs::path& file, Case& patient) {
+  const std::string extension = image_extension(file);
+  const std::optional<LabelImage> named = io::read_slicer_segmentation(file);
+  const LabelImage labels = named ? *named : io::read_labels(file);
+  if (named) {
+    patient.label_preset = "sanatrix";
+  }
+  patient.inputs["labels"] = take_in(patient.folder, "labels" + extension,
+                                     [&](const fs::path& to) { io::write_labels(labels, to); });
 }
 
 void take_in_image(const GivenImage& given, Case& patient) {
@@ -174,7 +181,7 @@ Case create_case(const fs::path& folder, const NewCase& given) {
   patient.label_preset = given.label_preset;
   try {
     if (given.labels) {
-      patient.inputs["labels"] = take_in_labels(*given.labels, aside);
+      take_in_labels(*given.labels, patient);
     }
     if (image) {
       take_in_image(*image, patient);
