@@ -43,13 +43,6 @@ TEST_P(Automatic, AgreesWithTheTruth) {
       a.chest_wall.mean_mm, a.chest_wall.p95_mm, a.skin.mean_mm, a.skin.p95_mm,
       found.gland.gland_signal, found.gland.fat_signal, found.gland.fat_spread,
       found.gland.separation, seconds);
-  if (const char* out = std::getenv("SANATRIX_DUMP")) {
-    std::string name = GetParam().image;
-    std::replace(name.begin(), name.end(), '/', '_');
-    io::write_labels(found.grid.labels, std::filesystem::path(out) / (name + "_labels.nrrd"));
-    io::write_labels(truth, std::filesystem::path(out) / (name + "_truth.nrrd"));
-    io::write_image(found.relative, std::filesystem::path(out) / (name + "_relative.nrrd"));
-  }
   EXPECT_GE(a.soft_dice, 0.95);
   EXPECT_GE(a.glandular_dice, GetParam().glandular_dice);
   EXPECT_LE(std::abs(a.glandular_volume_percent), 12.0);
