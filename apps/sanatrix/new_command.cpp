@@ -85,8 +85,10 @@ void add_new(CLI::App& app, Common& common, Command& chosen) {
       ->capture_default_str();
   command->add_option("--plan", given->plan, "surgical plan (JSON)");
   given->scans.add_to(*command);
-  command->add_option("--tumour", given->tumour,
-                      "where the tumour is: Slicer markups (.mrk.json); default: as the plan says");
+  command->add_option(
+      "--tumour", given->tumour,
+      "where the tumour is: Slicer markups (.mrk.json) or a mask; default: as the plan "
+      "says");
   add_json(*command, common);
   command->callback([given, &common, &chosen] {
     chosen = [=, &common] {

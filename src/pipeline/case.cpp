@@ -115,13 +115,19 @@ Case case_from(const json& j, const fs::path& folder) {
 
 /// Labels hold their tumour; to an image it must be told.
 std::optional<imaging::TumourSphere> tumour_of(const NewCase& given) {
-  if (given.tumour) {
-    return read_tumour(*given.tumour);
+  std::optional<surgery::Plan> plan;
+  if (given.plan) {
+    plan = surgery::read_plan(read_text(*given.plan), given.plan->filename());
   }
-  const bool prone_plan =
-      given.plan && surgery::read_plan(read_text(*given.plan), given.plan->filename()).frame ==
-                        surgery::Frame::Prone;
-  return prone_plan && !given.labels ? std::optional(read_tumour(*given.plan)) : std::nullopt;
+  if (given.tumour) {
+    const imaging::TumourSphere tumour = read_tumour(*given.tumour);
+    if (plan) {
+      check_agreement(tumour, *plan);
+    }
+    return tumour;
+  }
+  const bool told = plan && plan->frame == surgery::Frame::Prone && !given.labels;
+  return told ? std::optional(read_tumour(*given.plan)) : std::nullopt;
 }
 
 void check_plan(const fs::path& file) {

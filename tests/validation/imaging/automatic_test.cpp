@@ -51,14 +51,15 @@ TEST_P(Automatic, AgreesWithTheTruth) {
   EXPECT_LE(a.skin.mean_mm, 1.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Patients, Automatic,
-                         ::testing::Values(Patient{"dev01/t1.nii.gz", "dev01/labels_mri.nii.gz"},
-                                           // Gland and fat differ little in this one, and its true
-                                           // gland is speckled: 0.75 is not reached yet.
-                                           Patient{"dev01/t2.nii.gz", "dev01/labels_mri.nii.gz",
-                                                   0.64},
-                                           Patient{"dev02/t1.nii.gz", "dev02/labels_mri.nii.gz"},
-                                           Patient{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz"}));
+INSTANTIATE_TEST_SUITE_P(
+    Patients, Automatic,
+    ::testing::Values(Patient{"dev01/t1.nii.gz", "dev01/labels_mri.nii.gz"},
+                      // Noise and texture are a quarter of the difference of fat and
+                      // gland here, and true gland is speckled at 1 mm: with the
+                      // true shading and a filter fitted to the truth it is 0.75.
+                      Patient{"dev01/t2.nii.gz", "dev01/labels_mri.nii.gz", 0.67},
+                      Patient{"dev02/t1.nii.gz", "dev02/labels_mri.nii.gz"},
+                      Patient{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz"}));
 
 }  // namespace
 }  // namespace sanatrix::imaging
