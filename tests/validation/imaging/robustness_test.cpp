@@ -1,4 +1,5 @@
 // Automatic segmentation of other anatomies and of worse images than those it was developed on.
+#include <array>
 #include <cstdio>
 #include <ostream>
 
@@ -60,6 +61,9 @@ INSTANTIATE_TEST_SUITE_P(Exams, OtherAnatomy,
                                            Exam{"Exam_25_detailed.nii.gz", false, 6.0}));
 
 enum class Change { Noise, Shading, LargerBreast };
+void PrintTo(Change change, std::ostream* out) {
+  *out << std::array{"noise", "shading", "larger breast"}[static_cast<std::size_t>(change)];
+}
 class WorseImage : public ::testing::TestWithParam<Change> {};
 
 /// The left half stretched towards anterior about a plane behind the breasts.
