@@ -129,8 +129,10 @@ void add_new(CLI::App& app, Common& common, Command& chosen) {
       ->add_option("--density", given->density,
                    "density class of the breasts for a scan without image (default b)")
       ->check(CLI::IsMember({"a", "b", "c", "d"}));
-  command->add_option("--tumour", given->tumour,
-                      "where the tumour is: Slicer markups (.mrk.json); default: as the plan says");
+  command->add_option(
+      "--tumour", given->tumour,
+      "where the tumour is: Slicer markups (.mrk.json) or a mask; default: as the plan "
+      "says");
   add_json(*command, common);
   command->callback([given, &common, &chosen] {
     chosen = [=, &common] {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/error.hpp"
 #include "imaging/body_mask.hpp"
@@ -17,8 +16,7 @@ constexpr double wide_knots_mm = 70.0, fine_knots_mm = 45.0;
 constexpr double skin_mm = 2.0;  ///< thickness; Huang et al., doi:10.1118/1.2841938: 1-2.5 mm
 /// Half way between air and skin, relative to fat: skin has about a third of fat's signal.
 constexpr float skin_edge = 0.17F;
-constexpr double local_mm = 7.0;  ///< over which the rest of the shading is followed
-constexpr double surroundings_mm = 1.2;
+constexpr double surroundings_mm = 0.7;
 constexpr double muscle_mm = 12.0;    ///< behind the fascia; pectorals and ribs
 constexpr float lung_signal = 0.10F;  ///< relative to fat
 
@@ -139,39 +137,16 @@ Mask below_skin(const Mask& body, double from_mm, double to_mm) {
   return layer;
 }
 
-/// What is left of the shading in the small: the mean signal of surely fat voxels nearby, about 1.
-/// Where there is little fat, the wide field is left as it is.
-Image3<float> local_fat(const Image3<float>& relative, const Mask& soft,
-                        const GlandularModel& model) {
-  Image3<float> weight = image_like<float>(relative), sum = weight;
-  for (std::size_t v = 0; v < soft.voxels.size(); ++v) {
-    if (soft.voxels[v] != 0) {
-      const double off =
-          (static_cast<double>(relative.voxels[v]) - model.fat_signal) / (1.5 * model.fat_spread);
-      weight.voxels[v] = static_cast<float>(std::exp(-0.5 * off * off));
-      sum.voxels[v] = weight.voxels[v] * relative.voxels[v];
-    }
-  }
-  smooth(weight, local_mm);
-  smooth(sum, local_mm);
-  constexpr float prior = 0.05F;
-  const auto usual = static_cast<float>(model.fat_signal);
-  for (std::size_t v = 0; v < sum.voxels.size(); ++v) {
-    sum.voxels[v] = (sum.voxels[v] + prior * usual) / (weight.voxels[v] + prior);
-  }
-  return sum;
-}
-
 struct Coarse {
   FatField field;
   ChestWall wall;
-  Image3<float> local;  ///< signal of fat relative to the field, on the working grid
+  Vec3 first_mm;  ///< the image's first voxel, seen from the working grid
   AirSignal air;
   GlandularModel gland;
 };
 
-Coarse find_on_working_grid(const Image3<float>& image, const Context& ctx) {
-  const Image3<float> small = in_plane_smoothed(shrink_in_plane(image, working_mm), 0.6);
+Coarse find_on_working_grid(const Image3<float>& ordered, const Context& ctx) {
+  const Image3<float> small = in_plane_smoothed(shrink_in_plane(ordered, working_mm), 0.6);
   const AirSignal air = measure_air(small);
   Image3<float> threshold;
   threshold.voxels = {static_cast<float>(air.mean + 6.0 * air.deviation)};
@@ -191,9 +166,8 @@ Coarse find_on_working_grid(const Image3<float>& image, const Context& ctx) {
   ctx.at(0.75, "chest wall");
   wall = find_chest_wall(relative, body, cleft.i_mm, cleft.j_mm);
   const Mask soft = soft_interior(body, wall, 4.0, 3.0);
-  Image3<float> local = local_fat(relative, soft, fit_glandular_model(relative, soft));
-  const GlandularModel gland = fit_glandular_model(divided(relative, local), soft);
-  return {std::move(field), std::move(wall), std::move(local), air, gland};
+  const GlandularModel gland = fit_glandular_model(relative, soft);
+  return {std::move(field), std::move(wall), offset_mm(ordered, small), air, gland};
 }
 
 Label behind_wall(double depth_mm, float relative) {
@@ -203,16 +177,29 @@ Label behind_wall(double depth_mm, float relative) {
   return depth_mm < muscle_mm ? Label::Muscle : Label::Organ;
 }
 
-/// Fibroglandular or adipose: by the share of the voxel and of what is around it, since gland comes
-/// in strands and lobes and noise in single voxels.
-void harden(const GlandularModel& model, TissueGrid& grid) {
+/// Fibroglandular is what holds more gland than fat. Which voxels is decided by the share of the
+/// surroundings, since noise sits in single voxels; how many by the shares themselves, since a mean
+/// over the surroundings thins strands.
+void harden(TissueGrid& grid) {
   Image3<float> around = grid.fibroglandular;
   smooth(around, surroundings_mm);
+  std::vector<float> candidates;
+  std::size_t gland = 0;
+  for (std::size_t v = 0; v < around.voxels.size(); ++v) {
+    if (grid.labels.voxels[v] == static_cast<unsigned char>(Label::Adipose)) {
+      candidates.push_back(around.voxels[v]);
+      gland += grid.fibroglandular.voxels[v] > 0.5F ? 1 : 0;
+    }
+  }
+  if (gland == 0) {
+    return;
+  }
+  const auto least = candidates.end() - static_cast<long>(gland);
+  std::nth_element(candidates.begin(), least, candidates.end());
+  const float threshold = *least;
   for (std::size_t v = 0; v < around.voxels.size(); ++v) {
     unsigned char& label = grid.labels.voxels[v];
-    const double share =
-        0.5 * static_cast<double>(grid.fibroglandular.voxels[v] + around.voxels[v]);
-    if (label == static_cast<unsigned char>(Label::Adipose) && share > model.hard_share) {
+    if (label == static_cast<unsigned char>(Label::Adipose) && around.voxels[v] >= threshold) {
       label = static_cast<unsigned char>(Label::Fibroglandular);
     }
   }
@@ -224,7 +211,7 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
   const Image3<float> ordered = in_lps_order(image);
   Coarse coarse = find_on_working_grid(ordered, ctx.part(0.0, 0.7));
   ctx.at(0.7, "fibroglandular tissue");
-  const Vec3 first = offset_mm(ordered, coarse.local);
+  const Vec3 first = coarse.first_mm;
   const Image3<float> signal = fat_signal_on(coarse.field, ordered, first);
   const Image3<float> smoothed = in_plane_smoothed(ordered, 0.5);
   const Mask body = body_mask(smoothed, edge_of_skin(signal, coarse.air));
@@ -249,19 +236,13 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
         } else if (outside.voxels[v] > -skin_mm) {
           label = Label::Skin;
         } else {
-          const Neighbourhood n = neighbourhood(
-              coarse.local, {(first[0] + i * ordered.spacing_mm[0]) / coarse.local.spacing_mm[0],
-                             (first[1] + j * ordered.spacing_mm[1]) / coarse.local.spacing_mm[1],
-                             static_cast<double>(k)});
-          const float share =
-              glandular_share(coarse.gland, relative / coarse.local.voxels[n.voxel[0]]);
-          found.grid.fibroglandular.voxels[v] = share;
+          found.grid.fibroglandular.voxels[v] = glandular_share(coarse.gland, relative);
         }
         found.grid.labels.voxels[v] = static_cast<unsigned char>(label);
       }
     }
   }
-  harden(coarse.gland, found.grid);
+  harden(found.grid);
   found.wall = std::move(coarse.wall);
   found.gland = coarse.gland;
   found.noise = coarse.air.deviation;

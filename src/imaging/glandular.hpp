@@ -12,10 +12,6 @@ struct GlandularModel {
   double gland_signal = 0.3;  ///< of pure fibroglandular tissue, relative to fat's 1
   double fat_signal = 1.0;    ///< peak of fat after bias correction
   double fat_spread = 0.05;   ///< standard deviation of fat: noise, texture, rest of the shading
-  /// A voxel is called fibroglandular above this mean of its own and its surroundings' share. Thin
-  /// strands are blurred into fat by thick slices and need a lower one than solid gland; both
-  /// values keep the volume right (docs/theory/segmentation.md).
-  double hard_share = 0.5;
   double separation = 0.0;  ///< |fat - gland| / spread: below 3 the two cannot be told apart
 };
 

@@ -14,6 +14,7 @@
 #include "imaging/segmentation.hpp"
 #include "io/image_file.hpp"
 #include "io/scan_file.hpp"
+#include "io/slicer_segmentation.hpp"
 #include "pipeline/intake.hpp"
 #include "pipeline/standing_scan.hpp"
 #include "pipeline/tumour.hpp"
@@ -46,11 +47,17 @@ InputFile take_in(const fs::path& folder, const std::string& name,
   return {"inputs/" + name, sha256_of_file(to)};
 }
 
-/// Labels are written anew: headers of image files may name a person too.
-InputFile take_in_labels(const fs::path& file, const fs::path& folder) {
-  const LabelImage labels = io::read_labels(file);
-  return take_in(folder, "labels" + image_extension(file),
-                 [&](const fs::path& to) { io::write_labels(labels, to); });
+/// Labels are written anew: headers of image files may name a person too. What Slicer saved is
+/// brought to our label table by the names of its segments.
+void take_in_labels(const fs::path& file, Case& patient) {
+  const std::string extension = image_extension(file);
+  const std::optional<LabelImage> named = io::read_slicer_segmentation(file);
+  const LabelImage labels = named ? *named : io::read_labels(file);
+  if (named) {
+    patient.label_preset = "sanatrix";
+  }
+  patient.inputs["labels"] = take_in(patient.folder, "labels" + extension,
+                                     [&](const fs::path& to) { io::write_labels(labels, to); });
 }
 
 void take_in_image(const GivenImage& given, Case& patient) {
@@ -110,13 +117,19 @@ Case case_from(const json& j, const fs::path& folder) {
 
 /// Labels hold their tumour; to an image it must be told.
 std::optional<imaging::TumourSphere> tumour_of(const NewCase& given) {
-  if (given.tumour) {
-    return read_tumour(*given.tumour);
+  std::optional<surgery::Plan> plan;
+  if (given.plan) {
+    plan = surgery::read_plan(read_text(*given.plan), given.plan->filename());
   }
-  const bool prone_plan =
-      given.plan && surgery::read_plan(read_text(*given.plan), given.plan->filename()).frame ==
-                        surgery::Frame::Prone;
-  return prone_plan && !given.labels ? std::optional(read_tumour(*given.plan)) : std::nullopt;
+  if (given.tumour) {
+    const imaging::TumourSphere tumour = read_tumour(*given.tumour);
+    if (plan) {
+      check_agreement(tumour, *plan);
+    }
+    return tumour;
+  }
+  const bool told = plan && plan->frame == surgery::Frame::Prone && !given.labels;
+  return told ? std::optional(read_tumour(*given.plan)) : std::nullopt;
 }
 
 void check_plan(const fs::path& file) {
@@ -214,7 +227,7 @@ Case create_case(const fs::path& folder, const NewCase& given) {
   patient.label_preset = given.label_preset;
   try {
     if (given.labels) {
-      patient.inputs["labels"] = take_in_labels(*given.labels, aside);
+      take_in_labels(*given.labels, patient);
     }
     if (image) {
       take_in_image(*image, patient);

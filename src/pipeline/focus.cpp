@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/error.hpp"
+
 namespace sanatrix::pipeline {
 namespace {
 
@@ -99,6 +101,34 @@ Vec3 march(const LabelImage& labels, const Vec3& p_mm, const Vec3& direction, F&
   return p;
 }
 
+const char* name_of(surgery::Side side) {
+  return side == surgery::Side::Left ? "LEFT" : "RIGHT";
+}
+
+/// Plan, tumour and image must speak of one breast.
+void check_side(const FocusRule& rule, const LabelImage& labels, double midline_x_mm) {
+  const auto other = rule.side == surgery::Side::Left ? surgery::Side::Right : surgery::Side::Left;
+  constexpr const char* action = "check side and frame of the plan, and the patient's orientation";
+  if (rule.centre) {
+    const double x = 1e3 * (*rule.centre)[0];
+    if ((x > midline_x_mm) != (rule.side == surgery::Side::Left)) {
+      throw Error(Fault::Input,
+                  fmt::format("the plan operates on the {} breast, but its tumour at x = {:.0f} mm "
+                              "lies in the {} half of the image (midline at x = {:.0f} mm)",
+                              name_of(rule.side), x, name_of(other), midline_x_mm),
+                  action);
+    }
+  }
+  if (!labelled_tumour_mm(labels, rule.side, midline_x_mm) &&
+      labelled_tumour_mm(labels, other, midline_x_mm)) {
+    throw Error(Fault::Input,
+                fmt::format("the plan operates on the {} breast, but the only tumour that is "
+                            "segmented lies in the {} one",
+                            name_of(rule.side), name_of(other)),
+                action);
+  }
+}
+
 }  // namespace
 
 FocusRule follow(const std::optional<FocusRule>& old, const surgery::Plan& plan) {
@@ -117,6 +147,7 @@ FocusRule follow(const std::optional<FocusRule>& old, const surgery::Plan& plan)
 
 std::optional<meshing::Focus> place(const FocusRule& rule, const LabelImage& labels,
                                     double midline_x_mm) {
+  check_side(rule, labels, midline_x_mm);
   const std::optional<Vec3> centre = rule.centre
                                          ? std::optional(1e3 * *rule.centre)
                                          : labelled_tumour_mm(labels, rule.side, midline_x_mm);

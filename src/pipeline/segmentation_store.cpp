@@ -1,10 +1,25 @@
 #include "pipeline/segmentation_store.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "core/archive.hpp"
+#include "core/files.hpp"
+#include "imaging/skin_landmarks.hpp"
 #include "io/image_file.hpp"
 #include "io/slicer_segmentation.hpp"
 
 namespace sanatrix::pipeline {
+namespace {
+
+std::string landmarks_text(const imaging::Segmentation& segmentation) {
+  nlohmann::json list = nlohmann::json::object();
+  for (const imaging::SkinLandmark& mark : imaging::skin_landmarks(segmentation)) {
+    list[mark.name] = {{"lps_mm", mark.at_mm}, {"confidence", mark.confidence}};
+  }
+  return list.dump(2) + "\n";
+}
+
+}  // namespace
 
 void save_segmentation(const imaging::Segmentation& segmentation,
                        const std::filesystem::path& folder) {
@@ -22,6 +37,7 @@ void save_segmentation(const imaging::Segmentation& segmentation,
                                                                        nipple.end()};
   }
   archive.save(folder / "landmarks.bin");
+  write_text(folder / "landmarks.json", landmarks_text(segmentation));
 }
 
 imaging::Segmentation load_segmentation(const std::filesystem::path& folder) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.hpp"
+#include "imaging/skin_landmarks.hpp"
 #include "io/image_file.hpp"
 #include "shared_data.hpp"
 #include "synthetic_torso.hpp"
@@ -99,6 +100,16 @@ TEST_F(Segmentation, finds_midline_nipples_and_tissue_volumes) {
   EXPECT_FALSE(result.nipples_from_label);
   EXPECT_LT(norm(result.nipple_mm[0] - torso.tip(-1)), 3.0);
   EXPECT_LT(norm(result.nipple_mm[1] - torso.tip(1)), 3.0);
+  // The fold is where the ellipsoid meets the layer on the chest: all its z half-axis below.
+  int folds = 0;
+  for (const imaging::SkinLandmark& mark : imaging::skin_landmarks(result)) {
+    EXPECT_GT(mark.confidence, 0.3) << mark.name;
+    if (mark.name.starts_with("inframammary_fold")) {
+      EXPECT_NEAR(mark.at_mm[2], -torso.semi_axes_mm[2], 4.0);
+      ++folds;
+    }
+  }
+  EXPECT_EQ(folds, 2);
   double glandular = 0.0;
   for (const float f : result.fibroglandular.voxels) {
     glandular += f;

@@ -43,13 +43,6 @@ TEST_P(Automatic, AgreesWithTheTruth) {
       a.chest_wall.mean_mm, a.chest_wall.p95_mm, a.skin.mean_mm, a.skin.p95_mm,
       found.gland.gland_signal, found.gland.fat_signal, found.gland.fat_spread,
       found.gland.separation, seconds);
-  if (const char* out = std::getenv("SANATRIX_DUMP")) {
-    std::string name = GetParam().image;
-    std::replace(name.begin(), name.end(), '/', '_');
-    io::write_labels(found.grid.labels, std::filesystem::path(out) / (name + "_labels.nrrd"));
-    io::write_labels(truth, std::filesystem::path(out) / (name + "_truth.nrrd"));
-    io::write_image(found.relative, std::filesystem::path(out) / (name + "_relative.nrrd"));
-  }
   EXPECT_GE(a.soft_dice, 0.95);
   EXPECT_GE(a.glandular_dice, GetParam().glandular_dice);
   EXPECT_LE(std::abs(a.glandular_volume_percent), 12.0);
@@ -58,14 +51,15 @@ TEST_P(Automatic, AgreesWithTheTruth) {
   EXPECT_LE(a.skin.mean_mm, 1.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Patients, Automatic,
-                         ::testing::Values(Patient{"dev01/t1.nii.gz", "dev01/labels_mri.nii.gz"},
-                                           // Gland and fat differ little in this one, and its true
-                                           // gland is speckled: 0.75 is not reached yet.
-                                           Patient{"dev01/t2.nii.gz", "dev01/labels_mri.nii.gz",
-                                                   0.64},
-                                           Patient{"dev02/t1.nii.gz", "dev02/labels_mri.nii.gz"},
-                                           Patient{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz"}));
+INSTANTIATE_TEST_SUITE_P(
+    Patients, Automatic,
+    ::testing::Values(Patient{"dev01/t1.nii.gz", "dev01/labels_mri.nii.gz"},
+                      // Noise and texture are a quarter of the difference of fat and
+                      // gland here, and true gland is speckled at 1 mm: with the
+                      // true shading and a filter fitted to the truth it is 0.75.
+                      Patient{"dev01/t2.nii.gz", "dev01/labels_mri.nii.gz", 0.67},
+                      Patient{"dev02/t1.nii.gz", "dev02/labels_mri.nii.gz"},
+                      Patient{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz"}));
 
 }  // namespace
 }  // namespace sanatrix::imaging
