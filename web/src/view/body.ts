@@ -145,6 +145,19 @@ export class Body {
     if (inside.dot(ray.direction) < 0) inside.negate();
     return { point: hit.point.toArray() as Point, corners, weights, inside };
   }
+  /** A function that tells a vertex field's value (three numbers a vertex) at the place of the skin
+   * that is nearest to a point of a pose. */
+  nearestPlace(pose: string): (p: Vector3, field: Float32Array, into: Point) => void {
+    const geometry = new BufferGeometry(), positions = new BufferAttribute(this.bundle.f32(`points.${pose}`), 3);
+    geometry.setAttribute('position', positions);
+    geometry.setIndex((this.skin.geometry.index as BufferAttribute).clone());
+    const tree = new MeshBVH(geometry), index = geometry.index!.array;
+    return (p, field, into) => {
+      const hit = tree.closestPointToPoint(p)!, corners = [0, 1, 2].map((c) => index[3 * hit.faceIndex + c]);
+      const weights = barycentric(hit.point, corners.map((i) => new Vector3().fromBufferAttribute(positions, i)));
+      for (let c = 0; c < 3; ++c) into[c] = corners.reduce((sum, v, i) => sum + weights[i] * field[3 * v + c], 0);
+    };
+  }
   /** The same place of the skin in another pose. */
   placeIn(pick: Pick, pose: string): Point {
     const points = this.bundle.f32(`points.${pose}`);
