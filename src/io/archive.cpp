@@ -56,19 +56,16 @@ class Unpacker {
     }
   }
 
+  /// Everything that can be known without unpacking, so that nothing is written of a bad archive.
+  void check() {
+    while (archive_entry* entry = next()) {
+      vet(entry);
+    }
+  }
   /// Files written.
   std::uint64_t run() {
-    archive_entry* entry = nullptr;
-    for (int state = 0; (state = archive_read_next_header(reader_.get(), &entry)) != ARCHIVE_EOF;) {
-      if (state != ARCHIVE_OK && state != ARCHIVE_WARN) {
-        damaged();
-      }
-      ++number_;
-      if (number_ > limits_.entries) {
-        throw Error(Fault::Resource,
-                    fmt::format("the archive has more than {} entries", limits_.entries),
-                    "pack one examination only");
-      }
+    while (archive_entry* entry = next()) {
+      vet(entry);
       take(entry);
     }
     return files_;
@@ -86,21 +83,47 @@ class Unpacker {
                 "make the zip file again from the original files");
   }
 
-  void take(archive_entry* entry) {
+  /// Nothing at the end.
+  archive_entry* next() {
+    archive_entry* entry = nullptr;
+    const int state = archive_read_next_header(reader_.get(), &entry);
+    if (state == ARCHIVE_EOF) {
+      return nullptr;
+    }
+    if (state != ARCHIVE_OK && state != ARCHIVE_WARN) {
+      damaged();
+    }
+    ++number_;
+    if (number_ > limits_.entries) {
+      throw Error(Fault::Resource,
+                  fmt::format("the archive has more than {} entries", limits_.entries),
+                  "pack one examination only");
+    }
+    return entry;
+  }
+
+  static std::string name_of(archive_entry* entry) {
     const char* text = archive_entry_pathname(entry);
-    const std::string name = text == nullptr ? "" : text;
-    if (!stays_inside(name)) {
+    return text == nullptr ? "" : text;
+  }
+
+  void vet(archive_entry* entry) const {
+    if (!stays_inside(name_of(entry))) {
       refuse("has a name that leads out of the folder");
     }
     if (archive_entry_hardlink(entry) != nullptr || archive_entry_symlink(entry) != nullptr ||
         (archive_entry_filetype(entry) != AE_IFREG && archive_entry_filetype(entry) != AE_IFDIR)) {
       refuse("is a link or a device, not a file");
     }
-    if (archive_entry_filetype(entry) == AE_IFDIR || is_clutter(name)) {
-      return;
-    }
     if (archive_entry_is_encrypted(entry) != 0) {
       refuse("is locked with a password");
+    }
+  }
+
+  void take(archive_entry* entry) {
+    const std::string name = name_of(entry);
+    if (archive_entry_filetype(entry) == AE_IFDIR || is_clutter(name)) {
+      return;
     }
     const fs::path target = folder_ / name;
     std::error_code problem;
@@ -168,9 +191,10 @@ void unpack_zip(const fs::path& archive, const fs::path& folder, const ArchiveLi
   try {
     const ChildLimits child{.memory_bytes = std::uint64_t{256} << 20U,
                             .seconds = 600,
-                            .answer_bytes = 64,
+                            .answer_bytes = 4096,
                             .file_bytes = limits.bytes};
     const std::string files = in_confined_child("zip archive", child, [&] {
+      Unpacker(archive, folder, limits).check();
       return std::to_string(Unpacker(archive, folder, limits).run());
     });
     require(files != "0", "the archive holds no files");

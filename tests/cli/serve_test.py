@@ -247,8 +247,7 @@ class Refuses(CliTest):
 
     def test_hostile_archives_are_refused_and_leave_nothing(self):
         memory = self.server.memory_mb()
-        for name in ("../../escaped.nii", "/tmp/sanatrix-escaped.nii", "a\\..\\..\\b.nii",
-                     "C:/b.nii", "ok/../../../b.nii"):
+        for name in ("ok/../../../escaped.nii", "/tmp/sanatrix-escaped.nii", "a\\..\\..\\b.nii"):
             message = self.fate_of(zipped({name: b"x"}), "slip")
             self.assertIn("leads out of the folder", message, name)
             self.assertNotIn("escaped", message)  # names may hold a person's
