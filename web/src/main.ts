@@ -37,7 +37,7 @@ async function showCase(id: string, step: StepName, mine: number): Promise<void>
   const view: StepView = await steps[step](app);
   if (mine !== turn) { view.close?.(); return; }
   fill(side, [view.panel]);
-  const scene = view.stage ?? app.viewer?.element ?? (await noWebgl(app));
+  const scene = view.stage ?? app.viewer?.element ?? (await noWebgl(app, step));
   fill(middle, [scene, view.tools]);
   app.viewer?.draw();
   shown = {

@@ -35,7 +35,9 @@ export async function compareStep(app: App): Promise<StepView> {
     const shown = members.filter((m) => bodies.get(m.id)?.has('after'));
     fill(scale, []);
     paint(shown.map((m) => bodies.get(m.id)!), show, scale);
+    const before = app.viewer.panes.length;
     app.viewer.setPanes(shown.map((m) => ({ title: planName(m), bodies: [bodies.get(m.id)!] })));
+    if (before !== shown.length) app.viewer.frame();
   };
   const boxes = h('fieldset', { class: 'checks' }, h('legend', {}, t.choose), ...all.map((c) => {
     const input = h('input', {

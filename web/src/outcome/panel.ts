@@ -94,9 +94,11 @@ class Result {
     if (this.mode === 'change') {
       const moved = distances(after.bundle.f32(`points.${a}`), after.bundle.f32(`points.${b}`)), top = niceTop(Math.max(...moved));
       after.paint(moved, (v) => viridisAt(v / top));
-      after.showArrows(this.arrows ? a : null, b, 5);
+      // The longest arrow about as long as a fingertip, whatever the change.
+      const times = [1, 2, 5, 10, 20, 50].find((f) => f * top >= 15) ?? 50;
+      after.showArrows(this.arrows ? a : null, b, times);
       fill(this.scale, [colourBar(`${t.moved} [mm]`, '0', String(top), viridisAt), h('label', { class: 'check' },
-        h('input', { type: 'checkbox', checked: this.arrows, onchange: () => { this.arrows = !this.arrows; this.draw(); } }), t.arrows)]);
+        h('input', { type: 'checkbox', checked: this.arrows, onchange: () => { this.arrows = !this.arrows; this.draw(); } }), t.arrows(times))]);
       viewer.setPanes([{ title: t.moved, bodies: [after] }]);
     } else {
       const own = this.standing ? this.photo : null;

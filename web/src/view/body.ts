@@ -122,7 +122,13 @@ export class Body {
     for (let i = 0; i < breast.length; i += 3) {
       if (breast[i] === 0) continue;
       for (let c = 0; c < 3; ++c) points.push(a[3 * i + c]);
-      for (let c = 0; c < 3; ++c) points.push(a[3 * i + c] + scale * (b[3 * i + c] - a[3 * i + c]));
+      const tip = [0, 1, 2].map((c) => a[3 * i + c] + scale * (b[3 * i + c] - a[3 * i + c]));
+      points.push(...tip);
+      // Two barbs, a quarter as long, tell where it points.
+      for (const side of [-1, 1]) {
+        const d = tip.map((x, c) => x - a[3 * i + c]);
+        points.push(...tip, ...tip.map((x, c) => x - 0.25 * d[c] + 0.12 * side * d[(c + 1) % 3] * (c === 2 ? -1 : 1)));
+      }
     }
     this.arrows.geometry.dispose();
     this.arrows.geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
