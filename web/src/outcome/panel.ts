@@ -23,13 +23,13 @@ export async function resultStep(app: App): Promise<StepView> {
     if (app.viewer && app.body) { app.viewer.setPanes([{ title: '', bodies: [app.body] }]); app.viewer.frame(); }
     return { panel };
   }
-  const files = await api.files(s.id);
+  const files = await api.files(s.id), others = await whatIf(app);
   const controls = h('div'), scale = h('div', { class: 'scale' });
   const report = files.find((f) => f.file === 'report.html');
   fill(panel, [h('h2', {}, text.steps.result[0]),
     s.outcome_fresh ? h('p', {}, t.lead) : h('p', { class: 'warning' }, t.stale),
     controls, scale, table(rowsOf(s.outcome).filter((r) => r.first)),
-    h('details', {}, h('summary', {}, t.moreIndices), table(rowsOf(s.outcome).filter((r) => !r.first))), await whatIf(app), h('p', { class: 'quiet' }, t.noise), h('p', { class: 'quiet' }, t.range),
+    h('details', {}, h('summary', {}, t.moreIndices), table(rowsOf(s.outcome).filter((r) => !r.first))), others.element, h('p', { class: 'quiet' }, t.noise), h('p', { class: 'quiet' }, t.range),
     h('div', { class: 'buttons' },
       s.outcome_fresh && report ? h('a', { class: 'button primary', id: 'report', href: `${api.fileAddress(s.id, report.stage, report.file)}?save=1`, download: '' }, t.report) : app.session.abilities.report && s.outcome_fresh
         ? h('button', { id: 'make-report', disabled: app.busy(s.id), onclick: () => app.attempt(() => api.run(s.id, {})) }, t.makeReport) : null,
@@ -37,9 +37,10 @@ export async function resultStep(app: App): Promise<StepView> {
     s.outcome.warnings.length ? h('details', {}, h('summary', {}, t.warnings), h('ul', {}, ...s.outcome.warnings.map((w) => h('li', {}, w)))) : null,
     h('details', {}, h('summary', {}, t.all), h('ul', { class: 'files' }, ...files.filter((f) => !f.file.endsWith('.bin')).map((f) =>
       h('li', {}, h('a', { href: `${api.fileAddress(s.id, f.stage, f.file)}?save=1`, download: '' }, `${f.stage}/${f.file}`), ` ${size(f.bytes)}`))))]);
-  if (!app.viewer || !app.body) return { panel };
+  const update = (): void => others.update();
+  if (!app.viewer || !app.body) return { panel, update };
   const scene = new Result(app, app.body, new Body(app.body.bundle), controls, scale);
-  return { panel, tools: scene.tools, close: () => scene.close() };
+  return { panel, update, tools: scene.tools, close: () => scene.close() };
 }
 
 class Result {

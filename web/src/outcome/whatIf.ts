@@ -24,8 +24,10 @@ export function spread(of: CaseSummary[], value: (s: CaseSummary) => number): { 
   return { low: Math.min(...values), high: Math.max(...values), models: values.length };
 }
 
-export async function whatIf(app: App): Promise<HTMLElement> {
+export async function whatIf(app: App): Promise<{ element: HTMLElement; update(): void }> {
   const own = app.summary!, box = h('section', { class: 'what-if' });
+  const begun = new Map<string, string>(); // preset -> its case, before its run has set the preset
+  let seen = '';
   const draw = async (): Promise<void> => {
     const known = sisters(own, await api.cases());
     const { low, high, models } = spread([...known.values()], (s) => s.outcome!.max_displacement_upright_mm);
@@ -34,8 +36,9 @@ export async function whatIf(app: App): Promise<HTMLElement> {
       h('p', { class: high < noise_mm ? 'quiet' : '' }, models > 1 ? t.range(low, high, models) : t.oneModel)]);
   };
   const option = (preset: string, found?: CaseSummary): HTMLElement => {
+    const id = found?.id ?? begun.get(preset);
     const word = text.plan.presets[preset] ?? preset, ready = found?.outcome && found.outcome_fresh;
-    const working = found && app.busy(found.id);
+    const working = id !== undefined && preset !== presetOf(own) && app.busy(id);
     return h('button', {
       'aria-pressed': preset === presetOf(own) ? 'true' : 'false', disabled: working,
       onclick: () => {
@@ -49,8 +52,16 @@ export async function whatIf(app: App): Promise<HTMLElement> {
     const id = found?.id ?? (await api.copy(own.id, `${own.id}-${preset.split('_').pop()}`)).case;
     if (!found) await api.name(id, `${own.plan_name || own.id}, ${(text.plan.presets[preset] ?? preset).toLowerCase()}`);
     await api.run(id, { set: { 'heal.preset': preset } });
+    begun.set(preset, id);
+    app.jobs = await api.jobs();
     app.notify(t.started, t.startedHint);
   });
   await draw();
-  return box;
+  return {
+    element: box,
+    update(): void {
+      const states = app.jobs.map((j) => `${j.id}${j.state}`).join();
+      if (states !== seen) { seen = states; void app.attempt(draw); }
+    },
+  };
 }
