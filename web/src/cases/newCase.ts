@@ -6,9 +6,10 @@ import { text } from '../text';
 
 const t = text.make;
 type Source = 'builtin' | 'mri' | 'labels' | 'scan';
-const volumes = '.nii,.gz,.nrrd,.mha,.zip', surfaces = '.obj,.mtl,.ply,.stl,.jpg,.jpeg,.png,.zip';
+const volumes = '.nii,.gz,.nrrd,.mha,.zip', surfaces = '.ply,.stl,.zip';
 
-/** Files that a form field was given; a scan comes with its material file and photographs. */
+/** Files that a form field was given. A scan with photographs comes as a zip: its files name each
+ * other, and the server forgets the names of what is uploaded. */
 class Files {
   readonly input: HTMLInputElement;
   constructor(accept: string, many = false, folder = false) {
@@ -24,7 +25,7 @@ export function newCaseDialog(app: App): void {
   let source: Source = 'builtin', density = 'scattered', detail = 'paper', volume = 600, seed = 1;
   const name = h('input', { type: 'text', value: 'patient', maxLength: 40, required: true, autocomplete: 'off', 'aria-describedby': 'name-hint' });
   const fields = h('div', { class: 'fields' }), note = h('p', { class: 'message', role: 'status' });
-  const series = new Files('', true, true), image = new Files(volumes), labels = new Files(`${volumes}`), scan = new Files(surfaces, true);
+  const series = new Files('', true, true), image = new Files(volumes), labels = new Files(`${volumes}`), scan = new Files(surfaces);
   const plan = new Files('.json'), tumour = new Files('.json');
   const preset = h('select', {}, ...Object.entries(t.presets).map(([value, word]) => h('option', { value }, word)));
   const densities = (): HTMLElement => choice(t.density, Object.entries(t.densities), density, (v) => { density = v; }).element;
