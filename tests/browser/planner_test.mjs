@@ -39,6 +39,8 @@ async function open(extra = [], size = { width: 1400, height: 860 }) {
   page.setDefaultTimeout(minutes(1));
   page.on('console', (m) => { if (m.type() === 'error') problems.push(m.text()); });
   page.on('pageerror', (e) => problems.push(e.message));
+  // A slow machine must not look like an idle user, from whom the page covers itself.
+  await page.addInitScript(() => setInterval(() => dispatchEvent(new Event('pointermove')), 20_000));
   await page.goto(address);
   return page;
 }
