@@ -6,6 +6,7 @@
 #include "core/error.hpp"
 #include "core/files.hpp"
 #include "pipeline/case.hpp"
+#include "unpacked.hpp"
 
 namespace sanatrix::app {
 namespace {
@@ -67,13 +68,14 @@ int make(const Arguments& given, const Common& common) {
     throw Error(Fault::Usage, "--pose and --density are for cases from a scan alone",
                 "leave them out: with an image or labels, --scan is a scan before surgery");
   }
-  const pipeline::NewCase inputs{.labels = path_of(given.labels),
+  Unpacked unpacked(given.folder);
+  const pipeline::NewCase inputs{.labels = unpacked(given.labels),
                                  .label_preset = given.preset,
-                                 .image = path_of(given.image),
+                                 .image = unpacked(given.image),
                                  .series = given.series,
                                  .plan = path_of(given.plan),
                                  .tumour = path_of(given.tumour),
-                                 .scans = given.scans.given(),
+                                 .scans = unpacked(given.scans.given()),
                                  .parameters = parameters_of(given)};
   const pipeline::Case made = pipeline::create_case(given.folder, inputs);
   if (common.json) {
@@ -114,7 +116,7 @@ void add_new(CLI::App& app, Common& common, Command& chosen) {
       "--labels", given->labels,
       "label volume instead of the automatic segmentation: .nii.gz, .nii, .nrrd, .mha");
   command->add_option("--image", given->image,
-                      "prone MRI: DICOM folder, .nii.gz, .nii, .nrrd or .mha");
+                      "prone MRI: DICOM folder, .nii.gz, .nii, .nrrd or .mha, or a .zip of these");
   command
       ->add_option("--series", given->series,
                    "which series of the DICOM folder (number of `sanatrix inspect`)")

@@ -106,11 +106,16 @@ json summary(const std::string& id, const pipeline::Case& patient) {
          {"stages", stages},
          {"parameters", patient.parameters.given()},
          {"inputs", json::array()},
+         {"plan", patient.has_plan() ? patient.inputs.at("plan").sha256 : ""},
          {"plan_name", ""},
          {"side", nullptr},
          {"outcome", nullptr}};
+  j["photograph"] = false;
   for (const auto& [name, input] : patient.inputs) {
     j["inputs"].push_back(name);
+    if (name.starts_with("scan.") && content_type(input.file).starts_with("image/")) {
+      j["photograph"] = true;
+    }
   }
   if (patient.has_plan()) {
     const json plan = json::parse(read_text(patient.input("plan")), nullptr, false);
@@ -151,6 +156,7 @@ std::string content_type(const std::string& file) {
       {".pdf", "application/pdf"},
       {".glb", "model/gltf-binary"},
       {".jpg", "image/jpeg"},
+      {".jpeg", "image/jpeg"},
       {".woff2", "font/woff2"}};
   for (const auto& [extension, type] : table) {
     if (file.ends_with(extension)) {

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t longest_name = 64, kept_views = 6;
+constexpr std::size_t longest_name = 64, longest_plan_name = 120, kept_views = 6;
 /// Stages whose results do not depend on the plan.
 constexpr std::array plan_free{"10-image", "20-segment", "30-mesh", "40-unload", "50-supine"};
 
@@ -40,6 +40,24 @@ json stage_json(const fs::path& stage_folder) {
   return is_plain_file(file) ? json::parse(read_text(file), nullptr, false) : json();
 }
 
+/// The report has no record of its own; it is written completely or not at all.
+json report_files(const fs::path& folder) {
+  json files = json::array();
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    files.push_back(entry.path().filename().string());
+  }
+  return files;
+}
+
+json listed_files(const fs::path& folder) {
+  if (folder.filename() == "95-report") {
+    return report_files(folder);
+  }
+  const json record = stage_json(folder);
+  return record.is_object() ? record.value("files", json::array()) : json::array();
+}
+
 /// Listed names are our own, but the folder may have been mailed to us: a result is a plain file
 /// that really lies in its stage's folder.
 bool is_result(const pipeline::Case& patient, const fs::path& folder, const fs::path& file) {
@@ -60,6 +78,12 @@ std::string stamp_of(const pipeline::Case& patient) {
     stamp += none ? "-" : std::to_string(time.time_since_epoch().count());
   }
   return stamp;
+}
+
+json names_in(const fs::path& own_folder) {
+  const fs::path file = own_folder / "names.json";
+  const json names = is_plain_file(file) ? json::parse(read_text(file), nullptr, false) : json();
+  return names.is_object() ? names : json::object();
 }
 
 /// What nobody made a case of within a week.
@@ -150,12 +174,42 @@ void CaseStore::copy_for_plan(const std::string& from, const std::string& to) co
   fs::rename(aside, target);
 }
 
+std::string CaseStore::plan_name(const std::string& id) const {
+  const std::scoped_lock lock(names_mutex_);
+  const json names = names_in(own_folder());
+  return names.contains(id) && names[id].is_string() ? names[id].get<std::string>() : "";
+}
+
+void CaseStore::name_plan(const std::string& id, const std::string& name) const {
+  require(name.size() <= longest_plan_name, "the name of a plan has at most {} characters",
+          longest_plan_name);
+  const std::scoped_lock lock(names_mutex_);
+  json names = names_in(own_folder());
+  if (name.empty()) {
+    names.erase(id);
+  } else {
+    names[id] = name;
+  }
+  write_text(own_folder() / "names.json", names.dump(1) + "\n");
+}
+
+json CaseStore::stamps() const {
+  json stamps = json::object();
+  for (const std::string& id : ids()) {
+    std::error_code none;
+    const auto time = fs::last_write_time(root_ / id / "case.json", none).time_since_epoch();
+    stamps[id] = std::to_string(time.count()) + plan_name(id);
+  }
+  return stamps;
+}
+
 void CaseStore::remove(const std::string& id) const {
   const pipeline::Case patient = open(id);
   { const pipeline::CaseLock nobody_works_on_it(patient.folder); }
   const fs::path aside = root_ / fmt::format(".{}.deleted", id);
   fs::rename(patient.folder, aside);
   fs::remove_all(aside);
+  name_plan(id, "");
 }
 
 std::shared_ptr<const pipeline::CaseView> CaseStore::view(const pipeline::Case& patient) {
@@ -176,8 +230,7 @@ fs::path CaseStore::result_file(const pipeline::Case& patient, const std::string
                                 const std::string& file) const {
   const fs::path folder = patient.folder / "stages" / stage_folder;
   const bool known = is_name(stage_folder) && is_plain_folder(folder);
-  const json record = known ? stage_json(folder) : json();
-  const auto files = record.is_object() ? record.value("files", json::array()) : json::array();
+  const json files = known ? listed_files(folder) : json::array();
   const bool listed = std::ranges::any_of(files, [&](const json& f) { return f == file; });
   const fs::path path = folder / file;
   if (!listed || !is_result(patient, folder, file)) {
@@ -197,9 +250,7 @@ json result_files(const pipeline::Case& patient) {
   }
   std::ranges::sort(folders);
   for (const fs::path& folder : folders) {
-    const json record = stage_json(folder);
-    const json files = record.is_object() ? record.value("files", json::array()) : json::array();
-    for (const json& file : files) {
+    for (const json& file : listed_files(folder)) {
       if (file.is_string() && is_result(patient, folder, file.get<std::string>())) {
         list.push_back({{"stage", folder.filename().string()},
                         {"file", file},

@@ -32,6 +32,12 @@ class CaseStore {
   [[nodiscard]] std::string free_id(const std::string& wanted) const;
   /// A copy with the results that do not depend on the plan; for another plan of one patient.
   void copy_for_plan(const std::string& from, const std::string& to) const;
+  /// What the user calls this plan; empty: nothing. Kept beside the cases, not in them, since it
+  /// may name somebody.
+  [[nodiscard]] std::string plan_name(const std::string& id) const;
+  void name_plan(const std::string& id, const std::string& name) const;
+  /// Case -> a number that changes with its inputs, parameters or name.
+  [[nodiscard]] nlohmann::json stamps() const;
   /// Deletes the case and everything in it.
   void remove(const std::string& id) const;
 
@@ -48,6 +54,7 @@ class CaseStore {
     std::shared_ptr<const pipeline::CaseView> view;
   };
   std::filesystem::path root_;
+  mutable std::mutex names_mutex_;
   std::mutex mutex_;
   std::map<std::string, Kept> views_;
 };

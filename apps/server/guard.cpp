@@ -42,7 +42,7 @@ std::string random_name() {
   return text;
 }
 
-Guard::Guard(std::uint16_t port, const std::filesystem::path& secrets) : port_(port) {
+Guard::Guard(Place place, const std::filesystem::path& secrets) : place_(std::move(place)) {
   std::ifstream(secrets) >> token_ >> proof_;
   if (!is_secret(token_) || !is_secret(proof_)) {
     token_ = random_name();
@@ -51,19 +51,34 @@ Guard::Guard(std::uint16_t port, const std::filesystem::path& secrets) : port_(p
     write_text(secrets, token_ + "\n" + proof_ + "\n");
     ::umask(old);
   }
+  token_ = place_.token.empty() ? token_ : place_.token;
+}
+
+bool Guard::is_ours(const std::string& host) const {
+  const std::string port = fmt::format(":{}", place_.port);
+  const std::string name = place_.name.find(':') == std::string::npos
+                               ? place_.name
+                               : fmt::format("[{}]", place_.name);  // IPv6
+  const bool at_home = name == "127.0.0.1" || name == "[::1]";
+  // A browser leaves out the scheme's own port.
+  return host == name + port || (place_.secret && place_.port == 443 && host == name) ||
+         (at_home && (host == "localhost" + port || host == "127.0.0.1" + port));
 }
 
 std::string Guard::start_address() const {
-  return fmt::format("http://127.0.0.1:{}/start?key={}", port_, token_);
+  return fmt::format(
+      "{}://{}:{}/start?key={}", place_.secret ? "https" : "http",
+      place_.name.find(':') == std::string::npos ? place_.name : fmt::format("[{}]", place_.name),
+      place_.port, token_);
 }
 
 bool Guard::has_cookie(const Request& request) const {
   // Cookies do not know ports; the name keeps two servers of one user apart.
-  const std::string name = fmt::format("sanatrix_{}=", port_);
+  const std::string name = fmt::format("sanatrix_{}=", place_.port);
   const std::string cookies = request.header("cookie");
   for (std::size_t at = cookies.find(name); at != std::string::npos;
        at = cookies.find(name, at + 1)) {
-    if (equal(cookies.substr(at + name.size(), name_length), token_)) {
+    if (equal(cookies.substr(at + name.size(), token_.size()), token_)) {
       return true;
     }
   }
@@ -71,17 +86,14 @@ bool Guard::has_cookie(const Request& request) const {
 }
 
 std::optional<Response> Guard::refuse(const Request& request) const {
-  const std::array hosts{fmt::format("127.0.0.1:{}", port_), fmt::format("localhost:{}", port_)};
-  const auto is_ours = [&](const std::string& host) {
-    return host == hosts[0] || host == hosts[1];
-  };
   if (!is_ours(request.header("host"))) {
     return refusal(421, "this server does not answer to that host name",
                    "open the address that sanatrix serve printed");
   }
   const std::string origin = request.header("origin"), site = request.header("sec-fetch-site");
+  const std::string scheme = place_.secret ? "https://" : "http://";
   const bool foreign =
-      (!origin.empty() && !(origin.starts_with("http://") && is_ours(origin.substr(7)))) ||
+      (!origin.empty() && !(origin.starts_with(scheme) && is_ours(origin.substr(scheme.size())))) ||
       (!site.empty() && site != "same-origin" && site != "none");
   if (foreign && request.path != "/start") {
     return refusal(403, "this request comes from another site", "use the planner's own page");
@@ -103,13 +115,13 @@ Response Guard::enter(const Request& request) const {
   if (!equal(request.parameter("key"), token_)) {
     return refusal(401, "this key is not valid", "open the address that sanatrix serve printed");
   }
-  return {
-      .status = 303,
-      .type = "text/plain",
-      .body = "",
-      .headers = {{"Location", "/"},
-                  {"Set-Cookie", fmt::format("sanatrix_{}={}; Path=/; HttpOnly; SameSite=Strict",
-                                             port_, token_)}}};
+  return {.status = 303,
+          .type = "text/plain",
+          .body = "",
+          .headers = {
+              {"Location", "/"},
+              {"Set-Cookie", fmt::format("sanatrix_{}={}; Path=/; HttpOnly; SameSite=Strict{}",
+                                         place_.port, token_, place_.secret ? "; Secure" : "")}}};
 }
 
 std::vector<std::pair<std::string, std::string>> Guard::common_headers() {

@@ -11,10 +11,18 @@
 
 namespace sanatrix::server {
 
+/// How the server is called from outside.
+struct Place {
+  std::uint16_t port = 0;
+  std::string name = "127.0.0.1";  ///< as it stands in the address bar
+  bool secret = false;             ///< TLS
+  std::string token = {};          ///< lets browsers in; empty: one of our own
+};
+
 class Guard {
  public:
   /// The secrets live in a file readable by the user alone, so that open pages survive a restart.
-  Guard(std::uint16_t port, const std::filesystem::path& secrets);
+  Guard(Place place, const std::filesystem::path& secrets);
 
   /// The address to open; the secret in it becomes a cookie and leaves the address bar.
   [[nodiscard]] std::string start_address() const;
@@ -29,7 +37,8 @@ class Guard {
 
  private:
   [[nodiscard]] bool has_cookie(const Request& request) const;
-  std::uint16_t port_;
+  [[nodiscard]] bool is_ours(const std::string& host) const;
+  Place place_;
   std::string token_, proof_;
 };
 

@@ -2,11 +2,7 @@
 #include "http.hpp"
 
 #include <array>
-#include <cerrno>
 #include <list>
-
-#include <fcntl.h>
-#include <unistd.h>
 
 // Boost 1.74's awaitable uses std::exchange without including it.
 #include <utility>
@@ -24,7 +20,9 @@
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
 
+#include "channel.hpp"
 #include "core/error.hpp"
+#include "sink.hpp"
 
 namespace sanatrix::server {
 namespace {
@@ -42,8 +40,8 @@ constexpr auto feed_heartbeat = 15s;
 
 /// One connection; those that wait for a request may be closed to make room.
 struct Connection {
-  explicit Connection(tcp::socket socket) : stream(std::move(socket)) {}
-  beast::tcp_stream stream;
+  Connection(tcp::socket socket, net::ssl::context* tls) : stream(std::move(socket), tls) {}
+  Channel stream;
   beast::flat_buffer buffer;
   bool waiting = true;
   bool fresh = true;  ///< has not had a request yet
@@ -56,46 +54,6 @@ auto with_error(error_code& ec) {
 Response plain(int status, std::string sentence) {
   return {.status = status, .type = "text/plain; charset=utf-8", .body = std::move(sentence)};
 }
-
-/// The body of a request as it comes in: to memory, or to a new file.
-class Sink {
- public:
-  Sink(const std::optional<std::filesystem::path>& target, std::string& memory) : memory_(memory) {
-    if (target) {
-      file_ = ::open(target->c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
-      failed_ = file_ < 0;
-    }
-  }
-  ~Sink() {
-    if (file_ >= 0) {
-      ::close(file_);
-    }
-  }
-  Sink(const Sink&) = delete;
-  Sink& operator=(const Sink&) = delete;
-
-  void add(const char* data, std::size_t size) {
-    if (file_ < 0) {
-      memory_.append(data, size);
-      return;
-    }
-    while (size > 0 && !failed_) {
-      const ssize_t written = ::write(file_, data, size);
-      if (written > 0) {
-        data += written;
-        size -= static_cast<std::size_t>(written);
-      } else if (errno != EINTR) {
-        failed_ = true;  // disk full
-      }
-    }
-  }
-  [[nodiscard]] bool failed() const { return failed_; }
-
- private:
-  std::string& memory_;
-  int file_ = -1;
-  bool failed_ = false;
-};
 
 using Parser = http::request_parser<http::buffer_body>;
 
@@ -130,21 +88,43 @@ struct HttpServer::Impl {
   tcp::acceptor acceptor{io};
   std::list<std::shared_ptr<Connection>> connections;  // oldest first; only the io thread looks
   std::size_t feeds = 0;
+  std::optional<net::ssl::context> tls;
 
   Impl(Handler& h, Limits l) : handler(h), limits(l) {}
 
-  void listen(std::uint16_t port) {
-    const tcp::endpoint here(net::ip::address_v4::loopback(), port);
+  void listen(const Listen& where) {
     error_code ec;
+    const auto address = net::ip::make_address(where.address, ec);
+    require(!ec, "--address {} is not an IP address", where.address);
+    require(address.is_loopback() || where.secret(),
+            "the planner is offered beyond this machine only with a certificate and a key");
+    if (where.secret()) {
+      use_certificate(where);
+    }
+    const tcp::endpoint here(address, where.port);
     acceptor.open(here.protocol());
     acceptor.set_option(net::socket_base::reuse_address(true));
     acceptor.bind(here, ec);
     if (ec) {
-      throw Error(Fault::Resource,
-                  fmt::format("port {} of 127.0.0.1 cannot be used: {}", port, ec.message()),
-                  "give another one with --port, or --port 0 for any free one");
+      throw Error(
+          Fault::Resource,
+          fmt::format("port {} of {} cannot be used: {}", where.port, where.address, ec.message()),
+          "give another one with --port, or --port 0 for any free one");
     }
     acceptor.listen(256);
+  }
+
+  void use_certificate(const Listen& where) {
+    tls.emplace(net::ssl::context::tls_server);
+    // TLS 1.2 and later; Debian's OpenSSL leaves out what is weak.
+    tls->set_options(net::ssl::context::default_workarounds | net::ssl::context::no_tlsv1 |
+                     net::ssl::context::no_tlsv1_1);
+    error_code ec;
+    tls->use_certificate_chain_file(where.certificate.string(), ec);
+    require(!ec, "the file of --certificate is not a certificate in PEM form: {}", ec.message());
+    tls->use_private_key_file(where.key.string(), net::ssl::context::pem, ec);
+    require(!ec, "the file of --key is not the certificate's private key in PEM form: {}",
+            ec.message());
   }
 
   net::awaitable<void> accept() {
@@ -164,7 +144,8 @@ struct HttpServer::Impl {
         continue;
       }
       socket.set_option(tcp::no_delay(true), ec);
-      const auto connection = std::make_shared<Connection>(std::move(socket));
+      const auto connection =
+          std::make_shared<Connection>(std::move(socket), tls ? &*tls : nullptr);
       connections.push_back(connection);
       net::co_spawn(
           io, [this, connection] { return serve(connection); },
@@ -176,7 +157,7 @@ struct HttpServer::Impl {
   bool make_room() {
     for (auto at = connections.begin(); at != connections.end(); ++at) {
       if ((*at)->waiting) {
-        (*at)->stream.close();
+        (*at)->stream.tcp().close();
         connections.erase(at);
         return true;
       }
@@ -186,19 +167,25 @@ struct HttpServer::Impl {
 
   net::awaitable<void> serve(std::shared_ptr<Connection> c) {
     bool goes_on = true;
+    if (c->stream.is_secret()) {
+      error_code ec;
+      c->stream.tcp().expires_after(limits.header_time);
+      co_await c->stream.async_handshake(with_error(ec));
+      goes_on = !ec;
+    }
     while (goes_on) {
       goes_on = co_await serve_one(*c);
       c->fresh = false;
     }
     error_code ec;
-    c->stream.socket().shutdown(tcp::socket::shutdown_send, ec);
+    c->stream.tcp().socket().shutdown(tcp::socket::shutdown_send, ec);
     // Reading what is left for a moment keeps the answer from being lost in a reset.
-    c->stream.expires_after(1s);
+    c->stream.tcp().expires_after(1s);
     std::array<char, 4096> rest{};
     for (int i = 0; i < 64 && !ec; ++i) {
-      co_await c->stream.async_read_some(net::buffer(rest), with_error(ec));
+      co_await c->stream.tcp().async_read_some(net::buffer(rest), with_error(ec));
     }
-    c->stream.close();
+    c->stream.tcp().close();
   }
 
   /// One request and its answer; true when the connection can be used again.
@@ -207,7 +194,7 @@ struct HttpServer::Impl {
     parser.header_limit(limits.header_bytes);
     parser.body_limit(limits.upload_bytes);
     error_code ec;
-    c.stream.expires_after(c.fresh ? limits.header_time : limits.idle_time);
+    c.stream.tcp().expires_after(c.fresh ? limits.header_time : limits.idle_time);
     c.waiting = true;
     co_await http::async_read_header(c.stream, c.buffer, parser, with_error(ec));
     c.waiting = false;
@@ -255,7 +242,7 @@ struct HttpServer::Impl {
     }
     Sink sink(target, request.body);
     error_code ec;
-    c.stream.expires_after(limits.body_time);
+    c.stream.tcp().expires_after(limits.body_time);
     if (request.header("expect") == "100-continue") {
       static const std::string go_on = "HTTP/1.1 100 Continue\r\n\r\n";
       co_await net::async_write(c.stream, net::buffer(go_on), with_error(ec));
@@ -306,7 +293,7 @@ struct HttpServer::Impl {
 
   net::awaitable<bool> send(Connection& c, Response response, bool keep_alive) {
     error_code ec;
-    c.stream.expires_after(limits.answer_time);
+    c.stream.tcp().expires_after(limits.answer_time);
     if (response.file) {
       http::response<http::file_body> message;
       message.body().open(response.file->c_str(), beast::file_mode::scan, ec);
@@ -337,7 +324,7 @@ struct HttpServer::Impl {
     head.set(http::field::content_type, "text/event-stream");
     http::response_serializer<http::empty_body> serializer(head);
     error_code ec;
-    c.stream.expires_after(limits.idle_time);
+    c.stream.tcp().expires_after(limits.idle_time);
     co_await http::async_write_header(c.stream, serializer, with_error(ec));
     auto last = std::chrono::steady_clock::now();
     net::steady_timer timer(io);
@@ -349,7 +336,7 @@ struct HttpServer::Impl {
       }
       if (!text.empty()) {
         last = now;
-        c.stream.expires_after(limits.idle_time);
+        c.stream.tcp().expires_after(limits.idle_time);
         co_await net::async_write(c.stream, net::buffer(text), with_error(ec));
       }
       if (!ec) {
@@ -371,9 +358,9 @@ struct HttpServer::Impl {
   }
 };
 
-HttpServer::HttpServer(std::uint16_t port, Handler& handler, Limits limits)
+HttpServer::HttpServer(const Listen& where, Handler& handler, Limits limits)
     : impl_(std::make_unique<Impl>(handler, limits)) {
-  impl_->listen(port);
+  impl_->listen(where);
 }
 
 HttpServer::~HttpServer() = default;

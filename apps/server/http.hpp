@@ -64,11 +64,19 @@ class Handler {
   virtual std::vector<std::pair<std::string, std::string>> common_headers() const = 0;
 };
 
-/// Listens on 127.0.0.1 only.
+/// Where to listen.
+struct Listen {
+  std::string address = "127.0.0.1";       ///< IP; anything but loopback needs TLS
+  std::uint16_t port = 0;                  ///< 0: any free one
+  std::filesystem::path certificate, key;  ///< PEM; both or neither
+  [[nodiscard]] bool secret() const { return !certificate.empty() && !key.empty(); }
+};
+
 class HttpServer {
  public:
-  /// Port 0: any free one. Error{Resource} when the port is taken.
-  HttpServer(std::uint16_t port, Handler& handler, Limits limits = {});
+  /// Error{Resource} when the port is taken; Error{Input} when the certificate cannot be used, or
+  /// when there is none and the address is not this machine's own.
+  HttpServer(const Listen& where, Handler& handler, Limits limits = {});
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

@@ -2,6 +2,9 @@
 #include "planner.hpp"
 
 #include <algorithm>
+#include <array>
+#include <ctime>
+#include <iterator>
 
 #include "answers.hpp"
 #include "client_files.hpp"
@@ -18,6 +21,8 @@ constexpr std::array upload_extensions{".nii.gz", ".nii", ".nrrd", ".mha", ".jso
                                        ".dcm",    ".zip", ".obj",  ".mtl", ".ply",
                                        ".stl",    ".jpg", ".jpeg", ".png"};
 
+constexpr std::ptrdiff_t most_files_of_an_upload = 20'000;
+
 std::string extension_of(const std::string& name) {
   std::string lower = name;
   std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -28,6 +33,12 @@ std::string extension_of(const std::string& name) {
   }
   // Files of a DICOM series often have no extension, or digits and dots.
   return ".dcm";
+}
+
+/// A server-sent event.
+std::string event(const std::string& name, const json& data) {
+  return "event: " + name + "\ndata: " + data.dump(-1, ' ', false, json::error_handler_t::replace) +
+         "\n\n";
 }
 
 bool is_upload_id(const std::string& id) {
@@ -51,6 +62,8 @@ Planner::Planner(CaseStore& cases, JobQueue& jobs, const Abilities& abilities)
   add("GET", "/api/cases/{case}/plan", &Planner::show_plan);
   add("POST", "/api/cases/{case}/preview", &Planner::preview_plan);
   add("POST", "/api/cases/{case}/incisions/{kind}", &Planner::propose_incision);
+  add("POST", "/api/cases/{case}/name", &Planner::name_plan);
+  add("GET", "/api/cases/{case}/photograph", &Planner::photograph);
   add("GET", "/api/cases/{case}/carry", &Planner::carry_point);
   add("GET", "/api/cases/{case}/files", &Planner::list_files);
   add("GET", "/api/cases/{case}/files/{stage}/{file}", &Planner::send_file);
@@ -100,6 +113,11 @@ std::optional<fs::path> Planner::upload_target(const Request& head) {
   const fs::path folder = cases_.own_folder() / "uploads" / id;
   std::error_code none;
   fs::create_directories(folder, none);
+  // A file that exists already makes the upload fail: a series has fewer files than this.
+  if (std::distance(fs::directory_iterator(folder, none), fs::directory_iterator()) >=
+      most_files_of_an_upload) {
+    return folder;
+  }
   return folder / (random_name().substr(0, 8) + extension_of(head.parameter("name")));
 }
 
@@ -145,12 +163,15 @@ Response Planner::session(const Request&, const Parts&) {
       presets = p.choices;
     }
   }
-  return json_answer(
-      {{"proof", guard_->proof()},
-       {"abilities",
-        {{"dicom", abilities_.dicom}, {"scan", abilities_.scan}, {"report", abilities_.report}}},
-       {"healing_presets", presets},
-       {"notice", "Research use only. Not a medical device."}});
+  return json_answer({{"proof", guard_->proof()},
+                      {"abilities",
+                       {{"dicom", abilities_.dicom},
+                        {"scan", abilities_.scan},
+                        {"scan_only", abilities_.scan_only},
+                        {"tumour", abilities_.tumour},
+                        {"report", abilities_.report}}},
+                      {"healing_presets", presets},
+                      {"notice", "Research use only. Not a medical device."}});
 }
 
 Response Planner::list_jobs(const Request&, const Parts&) {
@@ -173,10 +194,20 @@ Response Planner::resume_job(const Request&, const Parts& parts) {
 
 Response Planner::events(const Request&, const Parts&) {
   Response response;
-  response.feed = [this, told = -1L]() mutable -> std::string {
+  response.feed = [this, told = -1L, stamps = json(), looked = std::time_t{0}]() mutable {
+    std::string news;
+    // Cases also change without the queue: other pages, the command line.
+    if (const std::time_t second = std::time(nullptr); second != looked) {
+      looked = second;
+      json fresh = cases_.stamps();
+      if (fresh != stamps) {
+        stamps = std::move(fresh);
+        news += event("cases", {{"cases", stamps}});
+      }
+    }
     const long now = jobs_.revision();
     if (now == told) {
-      return {};
+      return news;
     }
     told = now;
     json list = json::array();
@@ -185,8 +216,7 @@ Response Planner::events(const Request&, const Parts&) {
         list.push_back(to_json(job));
       }
     }
-    return "event: jobs\ndata: " +
-           json{{"jobs", list}}.dump(-1, ' ', false, json::error_handler_t::replace) + "\n\n";
+    return news + event("jobs", {{"jobs", list}});
   };
   return response;
 }

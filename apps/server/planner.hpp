@@ -13,7 +13,7 @@ namespace sanatrix::server {
 
 /// What the command line of this build can do beyond the basics; the page offers what is there.
 struct Abilities {
-  bool dicom = false, scan = false, report = false;
+  bool dicom = false, scan = false, scan_only = false, tumour = false, report = false;
 };
 
 class Planner final : public Handler {
@@ -55,6 +55,8 @@ class Planner final : public Handler {
   Response volume(const Request& request, const Parts& parts);
   Response show_plan(const Request& request, const Parts& parts);
   Response preview_plan(const Request& request, const Parts& parts);
+  Response photograph(const Request& request, const Parts& parts);
+  Response name_plan(const Request& request, const Parts& parts);
   Response propose_incision(const Request& request, const Parts& parts);
   Response carry_point(const Request& request, const Parts& parts);
   Response list_files(const Request& request, const Parts& parts);

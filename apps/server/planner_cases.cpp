@@ -1,4 +1,6 @@
 // Answers about cases: making, running, planning, looking.
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -24,6 +26,18 @@ double number(const Request& request, const std::string& name) {
   require(problem == std::errc{} && end == text.data() + text.size() && std::isfinite(value),
           "{} is not a number", name);
   return value;
+}
+
+bool is_density(const std::string& word) {
+  constexpr std::array known{"fatty", "scattered", "heterogeneous", "dense"};
+  return std::ranges::find(known, word) != known.end();
+}
+
+json named(json summary, const std::string& name) {
+  if (!name.empty()) {
+    summary["plan_name"] = name;
+  }
+  return summary;
 }
 
 /// The labelled tumour, for cases without a plan.
@@ -61,7 +75,7 @@ Response Planner::list_cases(const Request&, const Parts&) {
   json list = json::array();
   for (const std::string& id : cases_.ids()) {
     try {
-      list.push_back(summary(id, cases_.open(id)));
+      list.push_back(named(summary(id, cases_.open(id)), cases_.plan_name(id)));
     } catch (const std::exception&) {  // one broken case must not hide the others
       list.push_back({{"id", id}, {"broken", true}});
     }
@@ -70,7 +84,7 @@ Response Planner::list_cases(const Request&, const Parts&) {
 }
 
 Response Planner::show_case(const Request&, const Parts& parts) {
-  return json_answer(summary(parts[0], cases_.open(parts[0])));
+  return json_answer(named(summary(parts[0], cases_.open(parts[0])), cases_.plan_name(parts[0])));
 }
 
 std::vector<Step> Planner::steps_of_new_case(const json& wish, const std::string& id) const {
@@ -87,12 +101,21 @@ std::vector<Step> Planner::steps_of_new_case(const json& wish, const std::string
     make.insert(make.end(),
                 {"--labels", phantom + "/labels.nii.gz", "--plan", phantom + "/plan.json"});
   } else {
-    for (const std::string name : {"labels", "image", "scan", "plan"}) {
+    for (const std::string name : {"labels", "image", "scan", "plan", "tumour"}) {
       if (wish.contains(name)) {
         make.insert(make.end(), {"--" + name, uploaded(wish[name]).string()});
       }
     }
     require(make.size() > 2, "nothing was given to make a case from");
+    if (!wish.contains("labels") && !wish.contains("image")) {
+      require(wish.contains("scan"), "a case needs an MRI, a label volume or a surface scan");
+      make.insert(make.end(), {"--pose", "upright"});
+      if (wish.contains("density")) {
+        const std::string density = wish["density"];
+        require(is_density(density), "there is no breast density \"{}\"", density);
+        make.insert(make.end(), {"--density", density});
+      }
+    }
     if (wish.contains("labels_preset")) {
       make.insert(make.end(), {"--labels-preset", wish["labels_preset"].get<std::string>()});
     }
@@ -195,6 +218,19 @@ Response Planner::preview_plan(const Request& request, const Parts& parts) {
       request.parameter("detail") == "live" ? surgery::Detail::Live : surgery::Detail::Full;
   return bundle_answer(
       preview_bundle(plan, pipeline::preview(plan, *view, patient.parameters, detail), *view));
+}
+
+Response Planner::name_plan(const Request& request, const Parts& parts) {
+  const json wish = body_of(request);
+  const pipeline::Case must_exist = cases_.open(parts[0]);
+  require(wish.contains("name") && wish["name"].is_string(), "name is not a text");
+  cases_.name_plan(must_exist.folder.filename().string(), wish["name"]);
+  return json_answer({{"ok", true}});
+}
+
+Response Planner::photograph(const Request&, const Parts& parts) {
+  return bundle_answer(photograph_bundle(
+      cases_.open(parts[0]), cases_.own_folder() / "uploads" / (random_name() + ".poses")));
 }
 
 Response Planner::propose_incision(const Request& request, const Parts& parts) {

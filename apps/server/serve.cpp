@@ -4,6 +4,7 @@
 #include <csignal>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -36,6 +37,8 @@ Abilities abilities_of_this_build(const fs::path& folder) {
                     all = help_text({"--help"}, folder);
   return {.dicom = make.find("--series") != std::string::npos,
           .scan = make.find("--scan") != std::string::npos,
+          .scan_only = make.find("--pose") != std::string::npos,
+          .tumour = make.find("--tumour") != std::string::npos,
           .report = all.find("\n  report ") != std::string::npos};
 }
 
@@ -58,6 +61,42 @@ class OnlyOne {
   int file_;  // closed by the kernel, together with the lock
 };
 
+/// Beyond this machine only with everything that protects it there.
+void check_address(const ServeOptions& options) {
+  const bool at_home = options.address == "127.0.0.1" || options.address == "::1";
+  std::string missing;
+  for (const auto& [name, value] : {std::pair{"--certificate", &options.certificate},
+                                    {"--key", &options.key},
+                                    {"--token", &options.token}}) {
+    if (value->empty()) {
+      missing += missing.empty() ? name : std::string(", ") + name;
+    }
+  }
+  if (!at_home && !missing.empty()) {
+    throw Error(Fault::Usage,
+                fmt::format("--address {} offers the planner to other machines; missing: {}",
+                            options.address, missing),
+                "leave --address out, or see docs/user/planner.md, Safety");
+  }
+  if (options.certificate.empty() != options.key.empty()) {
+    throw Error(Fault::Usage, "--certificate and --key go together");
+  }
+}
+
+std::string token_of(const ServeOptions& options) {
+  if (options.token.empty()) {
+    return {};
+  }
+  std::string token = read_text(options.token);
+  token.erase(token.find_last_not_of(" \r\n\t") + 1);
+  require(token.size() >= 32 &&
+              token.find_first_not_of("0123456789abcdefghijklmnopqrstuvwxyz"
+                                      "ABCDEFGHIJKLMNOPQRSTUVWXYZ_-") == std::string::npos,
+          "the file of --token must hold one word of at least 32 letters and digits, such as "
+          "`openssl rand -hex 16` prints");
+  return token;
+}
+
 void open_browser(std::string address) {
   std::string program = "xdg-open";
   std::vector<char*> argv{program.data(), address.data(), nullptr};
@@ -70,13 +109,23 @@ void open_browser(std::string address) {
 void serve(const ServeOptions& options, const std::function<void(const std::string&)>& ready,
            const std::function<bool()>& stop) {
   std::signal(SIGPIPE, SIG_IGN);
+  check_address(options);
+  const std::string token = token_of(options);
   CaseStore cases(options.cases);
   const OnlyOne only(cases.own_folder() / "lock");
   const Abilities abilities = abilities_of_this_build(cases.own_folder());
   JobQueue jobs(cases.own_folder(), cases.root());
   Planner planner(cases, jobs, abilities);
-  HttpServer server(options.port, planner);
-  const Guard guard(server.port(), cases.own_folder() / "keys");
+  HttpServer server({.address = options.address,
+                     .port = options.port,
+                     .certificate = options.certificate,
+                     .key = options.key},
+                    planner);
+  const Guard guard({.port = server.port(),
+                     .name = options.host.empty() ? options.address : options.host,
+                     .secret = !options.certificate.empty(),
+                     .token = token},
+                    cases.own_folder() / "keys");
   planner.admit(guard);
   ready(guard.start_address());
   if (options.open) {

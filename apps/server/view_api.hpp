@@ -1,6 +1,7 @@
 // What the browser draws, as bundles of typed arrays.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -19,5 +20,9 @@ std::string volume_bundle(const pipeline::Case& patient);
 /// Live numbers in the head; the removed piece and incisions as arrays in every pose.
 std::string preview_bundle(const surgery::Plan& plan, const pipeline::PlanPreview& preview,
                            const pipeline::CaseView& view);
+
+/// The scan before surgery with its photograph, and the same after surgery as predicted. `scratch`
+/// is a file of ours that may be written. Error{Input} without a photograph or a result.
+std::string photograph_bundle(const pipeline::Case& patient, const std::filesystem::path& scratch);
 
 }  // namespace sanatrix::server

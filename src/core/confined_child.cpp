@@ -54,7 +54,7 @@ void confine(const ChildLimits& limits) {
   limit(RLIMIT_AS, address_space() + limits.memory_bytes);
 #endif
   limit(RLIMIT_CPU, static_cast<rlim_t>(limits.seconds));
-  limit(RLIMIT_FSIZE, 0);
+  limit(RLIMIT_FSIZE, limits.file_bytes);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_NOFILE, 64);
 }

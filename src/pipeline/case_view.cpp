@@ -90,6 +90,9 @@ surgery::Plan in_frame(const surgery::Plan& plan, surgery::Frame frame, const Ca
     moved.axis = normalised(ends[1] - ends[0]);
   }
   moved.outline = view.carry(plan.outline, from, to);
+  if (moved.segment) {
+    moved.segment->apex = view.carry(std::array<Vec3, 1>{plan.segment->apex}, from, to)[0];
+  }
   for (auto& line : moved.incisions) {
     line = view.carry(line, from, to);
   }

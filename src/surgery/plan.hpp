@@ -17,6 +17,15 @@ enum class Side { Right, Left };
 /// there is no image (Upright), or the operating table.
 enum class Frame { Prone, Supine, Upright };
 
+/// A segment (wedge) of the breast: a sector around the nipple, seen along the axis, with the
+/// tumour's centre on its middle line.
+struct Segment {
+  Vec3 apex{};                  ///< the nipple [m]
+  std::optional<double> angle;  ///< between its sides [rad]; default: the margin is kept at both
+  std::optional<double> from;   ///< distance from the apex at which it begins [m]; default as above
+  std::optional<double> to;     ///< and ends [m]
+};
+
 struct Plan {
   Side side = Side::Left;
   Frame frame = Frame::Prone;
@@ -30,6 +39,7 @@ struct Plan {
   /// Closed curve on the skin, not closed by a repeated point: what is removed is what lies behind
   /// it along the axis, instead of a cylinder. Empty, or at least three points. [m]
   std::vector<Vec3> outline;
+  std::optional<Segment> segment;            ///< instead of a cylinder; never beside an outline
   std::vector<std::vector<Vec3>> incisions;  ///< polylines on the skin, may be empty [m]
   std::string document = "{}";  ///< JSON it was read from: write_plan keeps what it does not know
 };
@@ -48,7 +58,7 @@ void set_plan_value(Plan& plan, const std::string& key, const std::string& value
 /// most and several times faster.
 enum class Detail { Full, Live };
 
-/// The removed volume: a cylinder normal to the chest wall with smoothly rounded caps that stay
+/// The removed volume: a cylinder, sector or outline along the axis, with rounded caps that stay
 /// `clearance` from skin and chest wall, as an implicit function. Always the one connected piece
 /// that holds the tumour. docs/theory/surgery.md
 class Resection {
@@ -87,6 +97,7 @@ class Resection {
   [[nodiscard]] double cut_share(const std::array<Vec3, 4>& t, int n, Caps caps) const;
   void place_axis(const Plan& plan, const TriMesh& skin, const TriMesh& chest);
   void place_outline(const Plan& plan);
+  [[nodiscard]] std::vector<std::array<double, 2>> sector(const Segment& segment) const;
   void fill_piece();
   void measure_cell(const std::array<int, 3>& low, Measure& sum) const;
 

@@ -1,5 +1,6 @@
 // Plans as JSON: strict where a mistake could harm, silent about keys that are not ours.
 #include <cmath>
+#include <numbers>
 
 #include <nlohmann/json.hpp>
 
@@ -24,6 +25,9 @@ constexpr Range margin_range{"planned_margin_mm", 0.0, 40.0};
 constexpr Range radius_range{"resection.radius_mm", 3.0, 100.0};
 // At least 1 mm: the smallest that keeps the excised piece off the skin on the search grid.
 constexpr Range clearance_range{"clearance_mm", 1.0, 30.0};
+constexpr Range segment_from_range{"resection.segment.from_mm", 0.0, 200.0};
+constexpr Range segment_to_range{"resection.segment.to_mm", 5.0, 250.0};
+constexpr double narrowest_deg = 5.0, widest_deg = 160.0, degree = std::numbers::pi / 180.0;
 constexpr double largest_coordinate_mm = 1000.0;
 
 void check(const Range& range, double value_mm, const std::string& where) {
@@ -150,6 +154,38 @@ std::vector<Vec3> read_outline(const json& document, const std::string& where) {
   return outline;
 }
 
+std::optional<double> optional_length(const json& document, const Range& range,
+                                      const std::string& where) {
+  const auto length = optional_number(document, range.key, where);
+  if (length) {
+    check(range, *length, where);
+  }
+  return length ? std::optional(*length * mm) : std::nullopt;
+}
+
+std::optional<Segment> read_segment(const json& document, const std::string& where) {
+  const std::string path = "resection.segment";
+  const json* value = find(document, path);
+  if (value == nullptr) {
+    return std::nullopt;
+  }
+  require(value->is_object(), "{}: {} is not an object with apex_lps_mm", where, path);
+  require(find(document, "resection.outline_lps_mm") == nullptr,
+          "{}: resection has both a segment and an outline; keep one", where);
+  Segment segment;
+  segment.apex =
+      position(needed(document, path + ".apex_lps_mm", where), path + ".apex_lps_mm", where);
+  if (const auto angle = optional_number(document, path + ".angle_deg", where)) {
+    require(*angle >= narrowest_deg && *angle <= widest_deg,
+            "{}: {}.angle_deg is {}, not within {} to {}", where, path, *angle, narrowest_deg,
+            widest_deg);
+    segment.angle = *angle * degree;
+  }
+  segment.from = optional_length(document, segment_from_range, where);
+  segment.to = optional_length(document, segment_to_range, where);
+  return segment;
+}
+
 std::vector<std::vector<Vec3>> read_incisions(const json& document, const std::string& where) {
   std::vector<std::vector<Vec3>> lines;
   const json* value = find(document, "incisions_lps_mm");
@@ -198,6 +234,7 @@ Plan read_plan(const std::string& json_text, const std::string& file_name) {
   }
   read_resection(document, file_name, plan);
   plan.outline = read_outline(document, file_name);
+  plan.segment = read_segment(document, file_name);
   plan.incisions = read_incisions(document, file_name);
   if (const auto midline = optional_number(document, "midline_x_mm", file_name)) {
     check_side(plan, *midline * mm, file_name);
@@ -232,6 +269,19 @@ std::string write_plan(const Plan& plan) {
     document["resection"]["outline_lps_mm"] = json::array();
     for (const Vec3& p : plan.outline) {
       document["resection"]["outline_lps_mm"].push_back(to_mm(p));
+    }
+  }
+  if (plan.segment) {
+    json& segment = document["resection"]["segment"];
+    segment["apex_lps_mm"] = to_mm(plan.segment->apex);
+    if (plan.segment->angle) {
+      segment["angle_deg"] = *plan.segment->angle / degree;
+    }
+    if (plan.segment->from) {
+      segment["from_mm"] = *plan.segment->from / mm;
+    }
+    if (plan.segment->to) {
+      segment["to_mm"] = *plan.segment->to / mm;
     }
   }
   json lines = json::array();

@@ -1,6 +1,7 @@
 // The excised volume as an implicit function: placement of the axis, the shape, its one piece.
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include "core/error.hpp"
 #include "surgery/plan.hpp"
@@ -8,7 +9,7 @@
 namespace sanatrix::surgery {
 namespace {
 
-constexpr double mm = 1e-3;
+constexpr double mm = 1e-3, degree = std::numbers::pi / 180.0;
 /// Radius of the rounding between side and caps: what a scalpel leaves, and large against the
 /// 3 mm elements that have to carry it.
 constexpr double usual_blend = 4.0 * mm;
@@ -153,22 +154,58 @@ void Resection::place_axis(const Plan& plan, const TriMesh& skin, const TriMesh&
   chest_ = down ? centre_ - *down * axis_ : foot;
 }
 
-/// The curve as a polygon across the axis, around the tumour's centre.
+/// Sector or curve as a polygon across the axis, around the tumour's centre.
 void Resection::place_outline(const Plan& plan) {
   const Vec3 helper = std::abs(axis_[2]) < 0.7 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
   grid_.e1 = normalised(cross(helper, axis_));
   grid_.e2 = cross(axis_, grid_.e1);
-  if (plan.outline.empty()) {
+  if (plan.segment) {
+    outline_ = sector(*plan.segment);
+  }
+  for (const Vec3& p : plan.outline) {
+    outline_.push_back({dot(p - centre_, grid_.e1), dot(p - centre_, grid_.e2)});
+  }
+  if (outline_.empty()) {
     return;
   }
   radius_ = 0.0;
-  for (const Vec3& p : plan.outline) {
-    outline_.push_back({dot(p - centre_, grid_.e1), dot(p - centre_, grid_.e2)});
-    radius_ = std::max(radius_, std::hypot(outline_.back()[0], outline_.back()[1]));
+  for (const auto& [x, y] : outline_) {
+    radius_ = std::max(radius_, std::hypot(x, y));
   }
-  require(
-      polygon_distance(outline_, 0.0, 0.0) < 0.0,
-      "surgery: the tumour's centre is not inside the drawn outline; draw it around the tumour");
+  require(polygon_distance(outline_, 0.0, 0.0) < 0.0,
+          "surgery: the tumour's centre is not inside the {}",
+          plan.segment ? "segment; change where it begins or ends"
+                       : "drawn outline; draw it around the tumour");
+}
+
+/// The sector's corners around the tumour's centre, across the axis. Its arcs are drawn in steps
+/// whose chords stay within 0.1 mm of them for the largest breast.
+std::vector<std::array<double, 2>> Resection::sector(const Segment& segment) const {
+  const Vec3 r = segment.apex - centre_;
+  const double ax = dot(r, grid_.e1), ay = dot(r, grid_.e2), distance = std::hypot(ax, ay);
+  constexpr double widest_by_itself = 60.0 * degree;
+  require(distance > 2.0 * mm && (segment.angle || radius_ < distance * std::sin(widest_by_itself)),
+          "surgery: the tumour is {:.1f} mm from the nipple, too near for a segment that keeps its "
+          "margin at both sides; choose a cylinder or an outline, or give angle_deg",
+          distance / mm);
+  const double half =
+      segment.angle ? 0.5 * *segment.angle : std::asin(std::min(radius_ / distance, 1.0));
+  const double from = segment.from.value_or(std::max(0.0, distance - radius_));
+  const double to = segment.to.value_or(distance + radius_);
+  require(to > from, "surgery: the segment ends at {:.1f} mm, before it begins at {:.1f} mm",
+          to / mm, from / mm);
+  const double middle = std::atan2(-ay, -ax);
+  const int steps = std::max(2, static_cast<int>(std::ceil(2.0 * half / (4.0 * degree))));
+  std::vector<std::array<double, 2>> corners;
+  const auto arc = [&](double radius, double sign) {
+    for (int i = 0; i <= (radius > 0.0 ? steps : 0); ++i) {
+      const double angle = middle + sign * half * (2.0 * i / steps - 1.0);
+      corners.push_back({ax + radius * std::cos(angle), ay + radius * std::sin(angle)});
+    }
+  };
+  arc(to, 1.0);
+  arc(from, -1.0);
+  return corners;
 }
 
 double Resection::lateral(const Vec3& p) const {

@@ -1,20 +1,35 @@
 """The planner's server: who may talk to it, what it refuses, and that no job is lost.
 Usage: serve_test.py PROGRAM"""
 import http.client
+import io
 import json
 import os
 import pathlib
 import signal
 import socket
+import ssl
+import stat
 import subprocess
 import tempfile
 import time
 import unittest
+import warnings
+import zipfile
 
 from sanatrix_cli import (CliTest, ENVIRONMENT, QUICK, binary, main, outcome_of, sanatrix,
                           write_patient)
 
 QUICK_SET = {word.split("=")[0]: word.split("=")[1] for word in QUICK if "=" in word}
+
+
+def zipped(files, method=zipfile.ZIP_DEFLATED):
+    """A zip file of {name or ZipInfo: bytes}, or of pairs when a name comes twice."""
+    memory = io.BytesIO()
+    with warnings.catch_warnings(), zipfile.ZipFile(memory, "w", method) as archive:
+        warnings.simplefilter("ignore")
+        for name, content in (files.items() if isinstance(files, dict) else files):
+            archive.writestr(name, content)
+    return memory.getvalue()
 
 
 class Server:
@@ -218,6 +233,56 @@ class Refuses(CliTest):
             self.assertEqual(answer.status, 201)
         self.assertEqual(list(self.cases.rglob("*.sh")), [])
 
+    def fate_of(self, archive, name):
+        """What becomes of a case whose image is this zip file; nothing may appear anywhere."""
+        before = sorted(p for p in self.cases.rglob("*") if ".planner" not in p.parts)
+        answer = self.server.ask("POST", "/api/uploads?name=x.zip", archive)
+        upload = json.loads(answer.body)["upload"]
+        made = self.server.json("POST", "/api/cases", {"name": name, "image": upload})
+        job = self.server.wait_for(made["job"])
+        self.assertEqual(job["state"], "failed")
+        after = sorted(p for p in self.cases.rglob("*") if ".planner" not in p.parts)
+        self.assertEqual(before, after, "nothing is left behind")
+        return job["message"]
+
+    def test_hostile_archives_are_refused_and_leave_nothing(self):
+        memory = self.server.memory_mb()
+        for name in ("ok/../../../escaped.nii", "/tmp/sanatrix-escaped.nii", "a\\..\\..\\b.nii"):
+            message = self.fate_of(zipped({name: b"x"}), "slip")
+            self.assertIn("leads out of the folder", message, name)
+            self.assertNotIn("escaped", message)  # names may hold a person's
+        link = zipfile.ZipInfo("volume.nii")
+        link.create_system, link.external_attr = 3, (stat.S_IFLNK | 0o777) << 16
+        self.assertIn("link or a device", self.fate_of(zipped({link: b"/etc/passwd"}), "link"))
+        bomb = zipped({f"{i}.dcm": bytes(30_000_000) for i in range(2)})
+        self.assertLess(len(bomb), 1_000_000)
+        self.assertIn("unpacks to more than", self.fate_of(bomb, "bomb"))
+        many = zipped({f"{i}": b"" for i in range(20_001)}, zipfile.ZIP_STORED)
+        self.assertIn("more than 20000 entries", self.fate_of(many, "many"))
+        self.assertIn("there before", self.fate_of(zipped([("a", b"1"), ("a", b"2")]), "twice"))
+        self.assertIn("archive", self.fate_of(zipped({"a.nii": b"1" * 999})[:-40], "torn"))
+        self.assertFalse(pathlib.Path("/tmp/sanatrix-escaped.nii").exists())
+        self.assertLess(self.server.memory_mb() - memory, 30)
+        self.assertLess(self.server.health_ms(), 1000)
+
+    def test_names_of_plans_are_text_and_stay_out_of_the_case(self):
+        case = self.cases / "named"
+        case.mkdir()
+        (case / "case.json").write_text(json.dumps(
+            {"format": "sanatrix-case", "version": 1, "pseudonym": "p", "label_preset": "sanatrix",
+             "inputs": {}, "parameters": {}}))
+        markup = "<img src=x onerror=alert(1)>"
+        self.server.json("POST", "/api/cases/named/name", {"name": markup})
+        answer = self.server.ask("GET", "/api/cases/named")
+        self.assertEqual(json.loads(answer.body)["plan_name"], markup)
+        self.assertEqual(answer.headers["Content-Type"], "application/json")
+        self.assertEqual(answer.headers["X-Content-Type-Options"], "nosniff")
+        self.assertEqual([p.name for p in case.iterdir()], ["case.json"])
+        self.assertEqual(self.server.ask("POST", "/api/cases/named/name",
+                                         json.dumps({"name": 200 * "x"})).status, 400)
+        self.server.json("DELETE", "/api/cases/named", {})
+        self.assertNotIn("onerror", (self.cases / ".planner/names.json").read_text())
+
     def test_errors_are_sentences_and_never_traces(self):
         answer = self.server.ask("GET", "/api/cases/nobody")
         told = json.loads(answer.body)
@@ -228,6 +293,76 @@ class Refuses(CliTest):
 
     def test_a_second_server_on_the_same_cases_is_refused(self):
         self.refused(4, "serve", "--cases", self.cases, "--port", "0", says=("another planner",))
+
+
+class BeyondThisMachine(CliTest):
+    """Another address only with TLS and a token."""
+
+    def setUp(self):
+        super().setUp()
+        self.certificate, self.key = self.folder / "cert.pem", self.folder / "key.pem"
+        made = subprocess.run(
+            ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
+             "-nodes", "-subj", "/CN=planner.example", "-addext", "subjectAltName=IP:127.0.0.1",
+             "-days", "2", "-keyout", self.key, "-out", self.certificate], capture_output=True)
+        if made.returncode != 0:
+            self.skipTest("openssl cannot make a certificate")
+        self.token = self.folder / "token"
+        self.token.write_text("0123456789abcdef0123456789ABCDEF\n")
+
+    def test_it_refuses_to_start_without_them(self):
+        cases = ("serve", "--cases", self.folder / "cases", "--port", "0", "--address", "0.0.0.0")
+        self.refused(1, *cases, says=("--certificate, --key, --token",))
+        secure = ("--certificate", self.certificate, "--key", self.key)
+        self.refused(1, *cases, *secure, says=("missing: --token",))
+        self.refused(1, *cases, "--certificate", self.certificate, "--token", self.token,
+                     says=("missing: --key",))
+        short = self.folder / "short"
+        short.write_text("secret")
+        self.refused(2, *cases, *secure, "--token", short, says=("32 letters",))
+        self.refused(2, *cases, "--certificate", self.key, "--key", self.key, "--token", self.token,
+                     says=("--certificate is not",))
+
+    def test_with_them_it_speaks_tls_only_and_knows_its_own_name(self):
+        process = subprocess.Popen(
+            [binary(), "serve", "--cases", self.folder / "cases", "--port", "0", "--json",
+             "--address", "0.0.0.0", "--host", "planner.example", "--certificate", self.certificate,
+             "--key", self.key, "--token", self.token],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=ENVIRONMENT, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait, 60)
+        self.addCleanup(process.send_signal, signal.SIGINT)
+        address = json.loads(process.stdout.readline())["address"]
+        self.assertTrue(address.startswith("https://planner.example:"), address)
+        port = int(address.split(":")[2].split("/")[0])
+        trust = ssl.create_default_context(cafile=self.certificate)
+
+        def ask(path, host=f"planner.example:{port}", **headers):
+            connection = http.client.HTTPSConnection("127.0.0.1", port, context=trust, timeout=30)
+            connection.request("GET", path, headers={"Host": host, **headers})
+            answer = connection.getresponse()
+            answer.read()
+            connection.close()
+            return answer
+
+        token = self.token.read_text().strip()
+        self.assertEqual(ask(f"/start?key={token[:-1]}x").status, 401)
+        entered = ask(f"/start?key={token}")
+        self.assertEqual(entered.status, 303)
+        self.assertIn("; Secure", entered.headers["Set-Cookie"])
+        cookie = entered.headers["Set-Cookie"].split(";")[0]
+        self.assertEqual(ask("/api/cases").status, 401)
+        self.assertEqual(ask("/api/cases", Cookie=cookie).status, 200)
+        self.assertEqual(ask("/api/cases", Cookie=cookie, host=f"evil.example:{port}").status, 421)
+        plain = f"http://planner.example:{port}"
+        self.assertEqual(ask("/api/cases", Cookie=cookie, Origin=plain).status, 403)
+        with socket.create_connection(("127.0.0.1", port), timeout=15) as s:
+            s.sendall(f"GET /api/cases HTTP/1.1\r\nHost: planner.example:{port}\r\n\r\n".encode())
+            try:
+                self.assertNotIn(b"HTTP/1.1 200", s.recv(4096))
+            except ConnectionError:
+                pass
+        self.assertEqual(ask("/api/cases", Cookie=cookie).status, 200)  # still there
 
 
 class Works(CliTest):
@@ -245,8 +380,11 @@ class Works(CliTest):
 
     def create(self):
         uploads = {}
-        for name, file in (("labels", self.labels), ("plan", self.plan)):
-            answer = self.server.ask("POST", f"/api/uploads?name={file.name}", file.read_bytes())
+        packed = zipped({"scan of today/" + self.labels.name: self.labels.read_bytes(),
+                         "__MACOSX/._x.nii.gz": b"clutter"})
+        for name, file, content in (("labels", "labels.zip", packed),
+                                    ("plan", "plan.json", self.plan.read_bytes())):
+            answer = self.server.ask("POST", f"/api/uploads?name={file}", content)
             uploads[name] = json.loads(answer.body)["upload"]
         made = self.server.json("POST", "/api/cases", {"name": "small", "set": QUICK_SET, **uploads})
         job = self.server.wait_for(made["job"])
@@ -311,6 +449,16 @@ class Works(CliTest):
         round_one, _ = ask({**plan, "resection": {**straight, "radius_mm": 10}})
         self.assertAlmostEqual(outlined["excised_cm3"] / round_one["excised_cm3"], 4 / 3.1416,
                                delta=0.08)  # rounded edges take more from the square
+        # A segment that follows the margin removes more than the cylinder, which it contains, and is
+        # what the stage removes.
+        wedge = {**plan, "resection": {**straight, "segment": {"apex_lps_mm": [x - 40, y - 30, z]}}}
+        wedged, _ = ask(wedge)
+        cylinder, _ = ask({**plan, "resection": straight})
+        self.assertGreater(wedged["excised_cm3"], 1.05 * cylinder["excised_cm3"])
+        job = self.server.json("POST", f"/api/cases/{case}/run", {"plan": wedge, "to": "surgery"})
+        self.assertEqual(self.server.wait_for(job["job"])["state"], "done")
+        record = json.loads((self.cases / case / "stages/60-surgery/stage.json").read_text())
+        self.assertAlmostEqual(wedged["excised_cm3"], record["numbers"]["excised_cm3"], places=6)
         for kind in ("circumareolar", "radial", "inframammary"):
             line = self.server.json("POST", f"/api/cases/{case}/incisions/{kind}", plan)["line_mm"]
             self.assertGreaterEqual(len(line), 2)

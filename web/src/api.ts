@@ -9,6 +9,12 @@ export interface Stage {
   name: string; letter: string; title: string; state: StageState; reason: string;
   seconds: number; warnings: string[];
 }
+/** A cosmetic index before and after, with what such a measurement repeats to. */
+export interface Metric {
+  key: string; name: string; unit: string; group: string; before: number | null; after: number | null; change: number | null;
+  before_range: [number, number] | null; after_range: [number, number] | null;
+  below_noise: boolean; noise_floor: number; noise_source: string; reference: string; source: string;
+}
 export interface Outcome {
   excised_cm3: number; excised_percent: number; operated_side: Side;
   breast_volume_cm3: Record<Side, number>;
@@ -16,13 +22,14 @@ export interface Outcome {
   wound_volume_ratio_final: number;
   max_displacement_upright_mm: number; mean_displacement_upright_mm: number;
   min_jacobian: number; warnings: string[];
-  metrics?: Record<string, unknown>;
+  cosmetics?: { metrics?: Metric[] };
+  discretisation_error?: { percent?: number; [key: string]: unknown };
   [key: string]: unknown;
 }
 export interface CaseSummary {
   id: string; patient: string; stages: Stage[]; parameters: Record<string, string>;
-  inputs: string[]; plan_name: string; side: Side | null; outcome: Outcome | null;
-  outcome_fresh?: boolean; broken?: boolean;
+  inputs: string[]; plan: string; plan_name: string; side: Side | null; outcome: Outcome | null;
+  outcome_fresh?: boolean; broken?: boolean; photograph?: boolean;
 }
 export interface Job {
   id: string; case: string; kind: 'create' | 'run';
@@ -39,13 +46,14 @@ export interface Plan {
   planned_margin_mm: number; clearance_mm?: number;
   resection?: {
     shape?: string; radius_mm?: number; axis_towards_skin_lps?: Point; outline_lps_mm?: Point[];
+    segment?: { apex_lps_mm: Point; angle_deg?: number; from_mm?: number; to_mm?: number };
   };
   incision?: { kind: string };
   incisions_lps_mm?: Point[][];
   [key: string]: unknown;
 }
 export interface Session {
-  proof: string; abilities: { dicom: boolean; scan: boolean; report: boolean };
+  proof: string; abilities: { dicom: boolean; scan: boolean; scan_only: boolean; tumour: boolean; report: boolean };
   healing_presets: string[]; notice: string;
 }
 export interface ResultFile { stage: string; file: string; bytes: number }
@@ -109,6 +117,8 @@ export const api = {
   run: (id: string, wish: object) => post<{ job: string }>(at(id, '/run'), wish),
   scene: (id: string) => bundle<SceneHead>(ask('GET', at(id, '/scene'))),
   healing: (id: string) => bundle<HealingHead>(ask('GET', at(id, '/healing'))),
+  photograph: (id: string) => bundle<unknown>(ask('GET', at(id, '/photograph'))),
+  name: (id: string, name: string) => post(at(id, '/name'), { name }),
   volume: (id: string) => bundle<VolumeHead>(ask('GET', at(id, '/volume'))),
   plan: (id: string) => get<{ plan: Plan | null; marked_tumour: null |
     { centre_lps_mm: Point; equivalent_radius_mm: number; side: Side } }>(at(id, '/plan')),
@@ -131,9 +141,10 @@ export const api = {
 };
 
 /** Calls `hear` with the newest jobs whenever one changes; the browser reconnects by itself. */
-export function listen(hear: (jobs: Job[]) => void, lost: (isLost: boolean) => void): EventSource {
+export function listen(hear: (jobs: Job[]) => void, changed: (stamps: Record<string, string>) => void, lost: (isLost: boolean) => void): EventSource {
   const source = new EventSource('/api/events');
   source.addEventListener('jobs', (event) => hear(JSON.parse((event as MessageEvent).data).jobs));
+  source.addEventListener('cases', (event) => changed(JSON.parse((event as MessageEvent).data).cases));
   source.addEventListener('open', () => lost(false));
   source.addEventListener('error', () => lost(true));
   return source;

@@ -5,6 +5,7 @@ import { Viewer } from './view/viewer';
 import { fill, h } from './dom';
 import { progressCard } from './run/progress';
 import { text } from './text';
+import { cover } from './view/cover';
 
 export type StepName = 'patient' | 'anatomy' | 'plan' | 'healing' | 'result' | 'compare';
 export interface StepView {
@@ -15,6 +16,8 @@ export interface StepView {
   tools?: HTMLElement;
   /** The case or a job has changed. */
   update?(): void;
+  /** The case was changed here or on another page. */
+  changed?(): void;
   key?(event: KeyboardEvent): boolean;
   close?(): void;
 }
@@ -27,6 +30,9 @@ export class App {
   viewer: Viewer | null = null;
   body: Body | null = null;
   lost = false;
+  stamps: Record<string, string> = {};
+  /** Where the crosshair is, as imaged (prone) [mm]: the same in the images and in 3-D. */
+  crosshair: { id: string; at: [number, number, number] } | null = null;
   private readonly bodies = new Map<string, { stamp: string; body: Body }>();
 
   constructor(readonly root: HTMLElement) {
@@ -80,8 +86,8 @@ const brand = (): HTMLElement => h('a', { class: 'brand', href: '#/' }, h('span'
 
 export function frame(app: App, content: HTMLElement, title: string): void {
   fill(app.root, [
-    h('a', { class: 'skip', href: '#main' }, 'Skip to content'),
-    h('header', { class: 'banner' }, brand(), h('h1', {}, title), h('p', { class: 'notice' }, text.notice)),
+    h('a', { class: 'skip', href: '#main' }, text.skip),
+    h('header', { class: 'banner' }, brand(), h('h1', {}, title), h('p', { class: 'notice' }, text.notice), h('button', { class: 'plain', id: 'cover', onclick: cover }, text.cover.now)),
     h('div', { class: 'lost', role: 'alert', hidden: !app.lost }, text.lost),
     content,
     h('div', { class: 'toasts' }),
@@ -116,7 +122,7 @@ export function path(app: App, current: StepName): { element: HTMLElement; updat
   };
   update();
   return {
-    element: h('nav', { class: 'path', 'aria-label': 'Steps' },
+    element: h('nav', { class: 'path', 'aria-label': text.path },
       h('div', { class: 'path-case' }, h('a', { href: '#/' }, `← ${text.cases.title}`), h('strong', {}, id),
         h('small', {}, app.summary!.plan_name || (app.summary!.side ? text.side[app.summary!.side] : text.cases.noPlan))),
       h('ol', {}, ...items.map((i) => i.element)), job),

@@ -11,13 +11,14 @@ import { patientStep } from './slices/panel';
 import './style.css';
 import { text } from './text';
 import { anatomyStep } from './view/anatomy';
+import { coverWhenIdle } from './view/cover';
 import { noWebgl } from './view/pictures';
 
 const steps: Record<StepName, Step> = {
   patient: patientStep, anatomy: anatomyStep, plan: planStep, healing: healingStep, result: resultStep, compare: compareStep,
 };
 const app = new App(document.getElementById('app')!);
-let shown: { update(): void; close?(): void; key?(e: KeyboardEvent): boolean } | null = null;
+let shown: { update(): void; changed?(id: string): void; close?(): void; key?(e: KeyboardEvent): boolean } | null = null;
 let turn = 0;
 
 async function showCase(id: string, step: StepName, mine: number): Promise<void> {
@@ -36,11 +37,15 @@ async function showCase(id: string, step: StepName, mine: number): Promise<void>
   const view: StepView = await steps[step](app);
   if (mine !== turn) { view.close?.(); return; }
   fill(side, [view.panel]);
-  const scene = view.stage ?? app.viewer?.element ?? (await noWebgl(app));
+  const scene = view.stage ?? app.viewer?.element ?? (await noWebgl(app, step));
   fill(middle, [scene, view.tools]);
   app.viewer?.draw();
   shown = {
     key: view.key, close: view.close,
+    changed(id: string): void {
+      if (id !== app.summary?.id) return;
+      void api.case(id).then((fresh) => { app.summary = fresh; nav.update(); view.changed?.(); }, () => void show());
+    },
     update(): void {
       nav.update();
       view.update?.();
@@ -90,7 +95,12 @@ async function start(): Promise<void> {
     return;
   }
   app.jobs = await api.jobs();
-  listen((jobs) => { app.jobs = jobs; shown?.update(); }, (isLost) => {
+  listen((jobs) => { app.jobs = jobs; shown?.update(); }, (stamps) => {
+    const before = app.stamps;
+    app.stamps = stamps;
+    const ids = [...new Set([...Object.keys(before), ...Object.keys(stamps)])].filter((id) => before[id] !== stamps[id]);
+    if (Object.keys(before).length) for (const id of ids) shown?.changed?.(id);
+  }, (isLost) => {
     app.lost = isLost;
     const line = document.querySelector<HTMLElement>('.lost');
     if (line) line.hidden = !isLost;
@@ -98,6 +108,7 @@ async function start(): Promise<void> {
   addEventListener('hashchange', () => void show());
   addEventListener('keydown', (e) => { if (shown?.key?.(e)) e.preventDefault(); });
   setInterval(() => { if (app.jobs.some((j) => j.state === 'running')) shown?.update(); }, 5000);
+  coverWhenIdle();
   await show();
 }
 void start();

@@ -96,6 +96,23 @@ TEST(APlan, SurvivesWritingWithKeysThatAreNotOurs) {
   EXPECT_DOUBLE_EQ(again.incisions[0][1][0], 0.070);
 }
 
+TEST(APlan, KeepsItsSegmentAndRefusesOneThatIsNotMeant) {
+  json document = minimal();
+  document["resection"]["segment"] = {
+      {"apex_lps_mm", {70, -90, 5}}, {"angle_deg", 50.0}, {"to_mm", 60.0}};
+  const Plan again = read_plan(write_plan(read_plan(document.dump(), "p.json")), "again.json");
+  ASSERT_TRUE(again.segment.has_value());
+  EXPECT_DOUBLE_EQ(again.segment->apex[0], 0.070);
+  EXPECT_NEAR(again.segment->angle.value(), 50 * 3.14159265358979 / 180, 1e-12);
+  EXPECT_FALSE(again.segment->from.has_value());
+  EXPECT_DOUBLE_EQ(again.segment->to.value(), 0.060);
+  document["resection"]["outline_lps_mm"] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};
+  EXPECT_THAT(refusal(document), HasSubstr("both a segment and an outline"));
+  document["resection"].erase("outline_lps_mm");
+  document["resection"]["segment"]["angle_deg"] = 0.8;  // radians by mistake
+  EXPECT_THAT(refusal(document), HasSubstr("angle_deg is 0.8, not within"));
+}
+
 TEST(APlan, CylinderOfTumourAndMarginFollowsTheMargin) {
   json document = minimal();
   document["resection"]["radius_mm"] = 14.0;

@@ -71,6 +71,50 @@ TEST(AResection, BetweenParallelPlanesIsACylinderWithRoundedEdges) {
   }
 }
 
+/// Nipple 30 mm to the patient's left of the tumour, on the skin.
+Plan segment_plan() {
+  Plan plan = plan_at({0, -30 * mm, 0});
+  plan.segment = Segment{.apex = {30 * mm, -60 * mm, 0}, .angle = {}, .from = {}, .to = {}};
+  return plan;
+}
+
+TEST(ASegment, BetweenParallelPlanesIsASectorWithRoundedEdges) {
+  Plan plan = segment_plan();
+  plan.segment->angle = 80 * pi / 180;
+  plan.segment->from = 12 * mm;
+  plan.segment->to = 46 * mm;
+  const Wound wound = removed(plan, slab());
+  const double r = 12 * mm, R = 46 * mm, angle = 80 * pi / 180, k = 4 * mm;
+  const double area = 0.5 * angle * (R * R - r * r), edge = angle * (R + r) + 2 * (R - r);
+  // At both caps a quarter circle of radius k is all that is left of a square at every edge.
+  const double expected = area * 50 * mm - 2 * (1 - pi / 4) * k * k * edge;
+  EXPECT_NEAR(wound.exact_m3, expected, 0.01 * expected);  // corners: some k^3 each
+  EXPECT_NEAR(wound.excised_m3, expected, 0.012 * expected);
+}
+
+TEST(ASegment, KeepsTheMarginAtAllSidesByItself) {
+  const Resection resection(segment_plan(), slab(), slab().points, midline);
+  const Vec3 apex{30 * mm, -30 * mm, 0};
+  // 16 mm = tumour and margin: along the middle line towards and away from the nipple, and square
+  // to both sides.
+  const double half = std::asin(16.0 / 30.0);
+  for (const Vec3& out : {Vec3{-1, 0, 0}, Vec3{1, 0, 0}, Vec3{std::sin(half), 0, std::cos(half)},
+                          Vec3{std::sin(half), 0, -std::cos(half)}}) {
+    EXPECT_NEAR(resection.signed_distance({16 * mm * out[0], -30 * mm, 16 * mm * out[2]}), 0.0,
+                0.1 * mm);
+  }
+  EXPECT_GT(resection.signed_distance(apex), 10 * mm);  // the nipple stays
+}
+
+TEST(ASegment, ThatCannotBeIsRefused) {
+  Plan behind = segment_plan();
+  behind.segment->apex = {10 * mm, -60 * mm, 0};
+  EXPECT_THAT(refusal(behind, slab()), HasSubstr("too near for a segment"));
+  Plan beside = segment_plan();
+  beside.segment->to = 25 * mm;
+  EXPECT_THAT(refusal(beside, slab()), HasSubstr("not inside the segment"));
+}
+
 TEST(AResection, KeepsItsRadiusBetweenTheCapsAndItsClearanceUnderASphere) {
   const Plan plan = plan_at({10 * mm, -25 * mm, 5 * mm});
   const Resection resection(plan, dome(), dome().points, midline);

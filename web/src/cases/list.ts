@@ -8,7 +8,7 @@ import { newCaseDialog } from './newCase';
 
 const t = text.cases;
 
-export async function showCases(app: App): Promise<{ update(): void }> {
+export async function showCases(app: App): Promise<{ update(): void; changed(): void }> {
   const list = h('div', { class: 'patients', id: 'main' });
   const make = h('button', { class: 'primary', onclick: () => newCaseDialog(app) }, t.make);
   frame(app, h('main', { class: 'page' }, h('div', { class: 'page-head' }, h('div', {}, h('h2', {}, t.title), h('p', { class: 'quiet' }, t.lead)), make), list), '');
@@ -35,6 +35,7 @@ export async function showCases(app: App): Promise<{ update(): void }> {
   };
   await reload();
   return {
+    changed: () => void reload(),
     update(): void {
       const states = app.jobs.map((j) => `${j.id}${j.state}${j.step}`).join();
       if (states !== jobsSeen) { jobsSeen = states; void reload(); } else draw();

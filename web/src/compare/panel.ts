@@ -3,11 +3,12 @@ import { api, type CaseSummary } from '../api';
 import type { App, StepView } from '../app';
 import { choice, fill, h } from '../dom';
 import { planName } from '../outcome/panel';
+import { differences } from './difference';
 import { rowsOf } from '../outcome/rows';
 import { text } from '../text';
 import { viewBar } from '../view/bar';
 import type { Body } from '../view/body';
-import { divergingAt, viridisAt } from '../view/colours';
+import { viridisAt } from '../view/colours';
 import { at, distances } from '../view/pose';
 import { colourBar, niceTop } from '../view/scale';
 
@@ -34,7 +35,9 @@ export async function compareStep(app: App): Promise<StepView> {
     const shown = members.filter((m) => bodies.get(m.id)?.has('after'));
     fill(scale, []);
     paint(shown.map((m) => bodies.get(m.id)!), show, scale);
+    const before = app.viewer.panes.length;
     app.viewer.setPanes(shown.map((m) => ({ title: planName(m), bodies: [bodies.get(m.id)!] })));
+    if (before !== shown.length) app.viewer.frame();
   };
   const boxes = h('fieldset', { class: 'checks' }, h('legend', {}, t.choose), ...all.map((c) => {
     const input = h('input', {
@@ -69,20 +72,18 @@ function paint(bodies: Body[], show: Show, scale: HTMLElement): void {
     fill(scale, [colourBar(`${text.result.moved} [mm]`, '0', String(top), viridisAt)]);
     return;
   }
-  // Vertex by vertex only where both plans have the same mesh, which is the usual case.
-  const same = bodies.map((b) => moved[bodies.indexOf(b)].length === moved[0].length);
-  const differences = moved.map((m, i) => (same[i] ? m.map((v, k) => v - moved[0][k]) : null));
-  const top = niceTop(Math.max(0.1, ...differences.map((d) => (d ? d.reduce((a, b) => Math.max(a, Math.abs(b)), 0) : 0))));
-  bodies.forEach((b, i) => b.paint(differences[i], (v) => divergingAt(v / top)));
-  fill(scale, [colourBar(`${t.shows.difference}: ${text.result.moved} [mm]`, `−${top}`, `+${top}`, (x) => divergingAt(2 * x - 1))]);
+  const apart = bodies.map((b) => differences(bodies[0], b));
+  const top = niceTop(Math.max(0.1, ...apart.map((d) => d.reduce((a, b) => Math.max(a, b), 0))));
+  bodies.forEach((b, i) => b.paint(apart[i], (v) => viridisAt(v / top)));
+  fill(scale, [colourBar(`${t.apart} [mm]`, '0', String(top), viridisAt), h('p', { class: 'quiet' }, t.apartNote)]);
 }
 
 function table(members: CaseSummary[]): HTMLElement {
   const rows = members.map((m) => rowsOf(m.outcome!));
   return h('table', { class: 'measures' },
     h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.measure), ...members.map((m) => h('th', { scope: 'col' }, planName(m))))),
-    h('tbody', {}, ...rows[0].map((r) => h('tr', {}, h('th', { scope: 'row' }, r.label), ...rows.map((of) => {
+    h('tbody', {}, ...rows[0].filter((r) => r.first).map((r) => h('tr', {}, h('th', { scope: 'row', title: r.note ?? '' }, r.label), ...rows.map((of) => {
       const cell = of.find((x) => x.label === r.label);
-      return h('td', { class: cell?.noise ? 'noise' : '' }, cell?.value ?? '–');
+      return h('td', { class: cell?.noise ? 'noise' : '' }, cell?.value ?? '–', cell?.range ? h('small', {}, cell.range) : null);
     })))));
 }

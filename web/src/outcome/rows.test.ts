@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import type { Outcome } from '../api';
+import type { Metric, Outcome } from '../api';
 import { rowsOf } from './rows';
 
 const outcome = {
@@ -7,18 +7,25 @@ const outcome = {
   resection_to_skin_mm: 5, resection_to_chest_mm: 5, wound_volume_ratio_final: 0.92,
   max_displacement_upright_mm: 1.1, mean_displacement_upright_mm: 0.4, min_jacobian: 0.4, warnings: [],
 } as Outcome;
+const bra = {
+  key: 'bra_mm', name: 'BRA', unit: 'mm', group: 'nipple', before: 2.33, after: 12.41, change: 10.08, below_noise: false,
+  before_range: null, after_range: { p05: 6.2, p95: 19.84 }, noise_floor: 5, noise_source: 'n', reference: 'r', source: 's',
+} as unknown as Metric;
 
 test('a displacement within what a nipple moves by itself is marked as noise', () => {
-  const noisy = rowsOf(outcome).filter((r) => r.noise).length;
-  expect(noisy).toBe(2);
+  expect(rowsOf(outcome).filter((r) => r.noise).length).toBe(2);
   expect(rowsOf({ ...outcome, max_displacement_upright_mm: 12 }).filter((r) => r.noise).length).toBe(1);
 });
 
-test('metrics of later versions appear without being known, and odd ones are left out', () => {
-  const rows = rowsOf({ ...outcome, metrics: { bra_mm: 12.5, pbra: { value: 3, unit: '%', label: 'pBRA' }, broken: { value: 'x' } } });
-  expect(rows.map((r) => r.label)).toContain('bra mm');
-  expect(rows.find((r) => r.label === 'pBRA')?.value).toBe('3.0 %');
-  expect(rows.some((r) => r.label === 'broken')).toBe(false);
+test('an index comes with both times, its range, and where it is from', () => {
+  const row = rowsOf({ ...outcome, cosmetics: { metrics: [bra] } }).find((r) => r.label === 'BRA')!;
+  expect(row).toMatchObject({ before: '2.3 mm', value: '12.4 mm', range: '6.2 … 19.8', first: true, note: 's. r. n' });
+});
+
+test('an index that is a change only shows the change, with a real minus, and no range', () => {
+  const moved = { ...bra, key: 'nipple_lateral_mm', name: 'to the side', before: null, after: null, change: -3.14 };
+  const row = rowsOf({ ...outcome, cosmetics: { metrics: [moved] } }).find((r) => r.label === 'to the side')!;
+  expect(row).toMatchObject({ before: '', value: '−3.1 mm', range: undefined, first: false });
 });
 
 test('a missing number is a dash, never zero', () => {

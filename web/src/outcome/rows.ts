@@ -1,39 +1,45 @@
-// The rows of the table of measures: ours first, then whatever else the outcome holds.
-import type { Outcome } from '../api';
+// The rows of the table of measures: what was done, then the cosmetic indices before and after.
+import type { Metric, Outcome } from '../api';
 import { text } from '../text';
 
-export interface Row { label: string; value: string; amount: number | null; noise?: boolean; note?: string }
+export interface Row { label: string; before?: string; value: string; range?: string; noise?: boolean; note?: string; first?: boolean }
 /** A displacement below this is within what a nipple moves by itself (Scurr 2015). */
 export const noise_mm = 5;
+/** What a surgeon asks first; the rest stands below a click. */
+const first = ['rms_asymmetry_mm', 'retraction_mm', 'bra_mm', 'unr_mm', 'nipple_moved_mm', 'lbc_mm', 'volume_asymmetry_pct'];
 const t = text.result;
 
-const row = (label: string, amount: unknown, unit: string, digits = 1, noise = false): Row => ({
-  label, amount: typeof amount === 'number' ? amount : null,
-  value: typeof amount === 'number' && Number.isFinite(amount) ? `${amount.toFixed(digits)} ${unit}` : '–', noise,
-});
+const shown = (amount: unknown, unit: string, digits = 1): string =>
+  (typeof amount === 'number' && Number.isFinite(amount) ? `${amount.toFixed(digits).replace('-', '−')} ${unit}`.trim() : '–');
+const row = (label: string, amount: unknown, unit: string, digits = 1, noise = false): Row =>
+  ({ label, value: shown(amount, unit, digits), noise, first: true });
 
 export function rowsOf(o: Outcome): Row[] {
-  const rows = [
+  const mesh = (o.discretisation_error as { max_displacement_upright_mm?: number } | undefined)?.max_displacement_upright_mm;
+  const most = row(t.maxMove, o.max_displacement_upright_mm, 'mm', 1, o.max_displacement_upright_mm < noise_mm);
+  if (typeof mesh === 'number') Object.assign(most, { range: `± ${mesh.toFixed(1)}`, note: t.meshError });
+  return [
     row(t.excised, o.excised_cm3, 'cm³'), row(t.share, o.excised_percent, '%'),
     row(t.volumeLeft, o.breast_volume_cm3.L, 'cm³', 0), row(t.volumeRight, o.breast_volume_cm3.R, 'cm³', 0),
     row(t.skin, o.resection_to_skin_mm, 'mm'), row(t.chest, o.resection_to_chest_mm, 'mm'),
     row(t.woundFinal, 100 * o.wound_volume_ratio_final, '%', 0),
-    row(t.maxMove, o.max_displacement_upright_mm, 'mm', 1, o.max_displacement_upright_mm < noise_mm),
-    row(t.meanMove, o.mean_displacement_upright_mm, 'mm', 1, o.mean_displacement_upright_mm < noise_mm),
+    most, row(t.meanMove, o.mean_displacement_upright_mm, 'mm', 1, o.mean_displacement_upright_mm < noise_mm),
+    ...(o.cosmetics?.metrics ?? []).filter((m) => m.key !== 'excised_pct').map(index)
+      .sort((a, b) => Number(b.first) - Number(a.first)),
   ];
-  return rows.concat(extra(o.metrics));
 }
 
-/** Metrics of later versions: {name: number} or {name: {value, unit, label, source, noise_floor}}. */
-function extra(metrics: unknown): Row[] {
-  if (typeof metrics !== 'object' || metrics === null) return [];
-  return Object.entries(metrics).flatMap(([name, m]): Row[] => {
-    const words = name.replace(/_/g, ' ');
-    if (typeof m === 'number') return [row(words, m, '')];
-    if (typeof m !== 'object' || m === null) return [];
-    const entry = m as { value?: unknown; unit?: string; label?: string; source?: string; noise_floor?: number };
-    if (typeof entry.value !== 'number') return [];
-    const small = typeof entry.noise_floor === 'number' && Math.abs(entry.value) < entry.noise_floor;
-    return [{ ...row(entry.label ?? words, entry.value, entry.unit ?? '', 1, small), note: entry.source }];
-  });
+function index(m: Metric): Row {
+  const digits = m.unit === '' ? 2 : 1, after = m.after ?? m.change;
+  const range = m.after !== null ? rangeOf(m.after_range) : null;
+  return {
+    label: m.name, first: first.includes(m.key), noise: m.below_noise,
+    before: m.before === null ? '' : shown(m.before, m.unit, digits), value: shown(after, m.unit, digits),
+    range: range ? `${range.map((v) => shown(v, '', digits)).join(' … ')}` : undefined,
+    note: [m.source, m.reference, m.noise_source].filter(Boolean).join('. '),
+  };
+}
+function rangeOf(range: unknown): [number, number] | null {
+  const r = range as { p05?: unknown; p95?: unknown } | null;
+  return r && typeof r.p05 === 'number' && typeof r.p95 === 'number' ? [r.p05, r.p95] : null;
 }

@@ -1,7 +1,8 @@
 // Changes of a plan as the surgeon makes them; each returns a new plan. Geometry is the server's.
 import type { Plan, Point, Side } from '../api';
 
-export type Shape = 'cylinder' | 'free';
+export type Shape = 'cylinder' | 'segment' | 'free';
+export type Segment = NonNullable<NonNullable<Plan['resection']>['segment']>;
 export type Incision = 'over' | 'circumareolar' | 'radial' | 'inframammary' | 'free';
 
 export function newPlan(side: Side, centre: Point, radius: number, frame: 'prone' | 'supine'): Plan {
@@ -16,7 +17,7 @@ export const radiusOf = (plan: Plan): number =>
 export const isAutomatic = (plan: Plan): boolean => plan.resection?.radius_mm === undefined ||
   Math.abs(plan.resection.radius_mm - plan.tumour.equivalent_radius_mm - plan.planned_margin_mm) < 0.1;
 export const shapeOf = (plan: Plan): Shape =>
-  plan.resection?.outline_lps_mm ? 'free' : 'cylinder';
+  plan.resection?.outline_lps_mm ? 'free' : plan.resection?.segment ? 'segment' : 'cylinder';
 export const incisionOf = (plan: Plan): Incision =>
   !plan.incisions_lps_mm?.length ? 'over' : ((plan.incision?.kind as Incision | undefined) ?? 'free');
 
@@ -42,13 +43,28 @@ export function withTumourAt(plan: Plan, centre: Point, side: Side): Plan {
   const { incisions_lps_mm: _old, incision: _kind, quadrant: _where, ...rest } = plan;
   return clean({
     ...rest, operated_side: side, tumour: { ...plan.tumour, centre_lps_mm: centre },
-    resection: isAutomatic(plan) ? {} : { radius_mm: plan.resection?.radius_mm },
+    resection: {
+      ...(isAutomatic(plan) ? {} : { radius_mm: plan.resection?.radius_mm }),
+      // The nipple stays where it is; what was set by hand for the old place does not fit the new.
+      ...(plan.resection?.segment && side === plan.operated_side ? { segment: { apex_lps_mm: plan.resection.segment.apex_lps_mm } } : {}),
+    },
   });
 }
-export function withShape(plan: Plan, shape: Shape, outline?: Point[]): Plan {
-  const { outline_lps_mm: _o, shape: _s, ...rest } = plan.resection ?? {};
-  if (shape === 'free') return clean({ ...plan, resection: { ...rest, outline_lps_mm: outline } });
+/** `points`: the outline, or the nipple as the tip of a segment. */
+export function withShape(plan: Plan, shape: Shape, points?: Point[]): Plan {
+  const { outline_lps_mm: _o, shape: _s, segment: _g, ...rest } = plan.resection ?? {};
+  if (shape === 'free') return clean({ ...plan, resection: { ...rest, outline_lps_mm: points } });
+  if (shape === 'segment') return clean({ ...plan, resection: { ...rest, segment: { apex_lps_mm: points![0] } } });
   return clean({ ...plan, resection: rest });
+}
+/** Opening, begin and end of a segment; what is undefined follows the margin. */
+export const withSegment = (plan: Plan, change: Partial<Segment>): Plan =>
+  clean({ ...plan, resection: { ...plan.resection, segment: { ...plan.resection!.segment!, ...change } } });
+/** What a segment without numbers of its own has, nearly: across the axis is a little less. */
+export function usualSegment(plan: Plan): { angle_deg: number; from_mm: number; to_mm: number } {
+  const apex = plan.resection!.segment!.apex_lps_mm, centre = plan.tumour.centre_lps_mm, r = radiusOf(plan);
+  const d = Math.hypot(...apex.map((a, c) => a - centre[c]));
+  return { angle_deg: (2 * Math.asin(Math.min(0.87, r / Math.max(d, 1))) * 180) / Math.PI, from_mm: Math.max(0, d - r), to_mm: d + r };
 }
 /** A line on the skin, and how it came about; 'over' lets the server place its usual one. */
 export function withIncision(plan: Plan, kind: Incision, line?: Point[]): Plan {
@@ -67,6 +83,6 @@ function surgeryText(plan: Plan | null): string {
   if (!plan) return '';
   const { tumour, planned_margin_mm, clearance_mm, operated_side, frame, incisions_lps_mm, resection } = plan;
   return JSON.stringify([operated_side, frame, tumour.centre_lps_mm, tumour.equivalent_radius_mm, planned_margin_mm,
-    clearance_mm ?? 5, radiusOf(plan).toFixed(2), resection?.axis_towards_skin_lps ?? null, resection?.outline_lps_mm ?? null,
+    clearance_mm ?? 5, radiusOf(plan).toFixed(2), resection?.axis_towards_skin_lps ?? null, resection?.outline_lps_mm ?? null, resection?.segment ?? null,
     incisions_lps_mm?.length ? incisions_lps_mm : null]);
 }

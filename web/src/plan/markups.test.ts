@@ -13,6 +13,11 @@ test('a plan written as markups and read again is the same surgery', () => {
   expect(JSON.parse(JSON.stringify(again))).toEqual(JSON.parse(JSON.stringify(plan)));
 });
 
+test('a segment keeps its tip and its numbers', () => {
+  const wedge: Plan = { ...plan, resection: { segment: { apex_lps_mm: [-70, -90, 4], angle_deg: 52.5, to_mm: 61 } } };
+  expect(fromMarkups(JSON.parse(JSON.stringify(toMarkups(wedge))), null, 0).resection).toEqual(wedge.resection);
+});
+
 test('RAS is turned into LPS, so that left stays left', () => {
   const file = { markups: [{ type: 'Fiducial', name: 'T', coordinateSystem: 'RAS', controlPoints: [{ position: [-70, 20, 5] as [number, number, number] }] }] };
   const read = fromMarkups(file, plan, 0);

@@ -15,11 +15,14 @@ const markup = (type: string, name: string, points: Point[], label: string, desc
 
 export function toMarkups(plan: Plan): Markups {
   const radius = `radius_mm=${plan.tumour.equivalent_radius_mm} margin_mm=${plan.planned_margin_mm} side=${plan.operated_side} pose=${plan.frame}`;
+  const segment = plan.resection?.segment;
+  const given = (s: object): string => Object.entries(s).filter(([, v]) => typeof v === 'number').map(([k, v]) => `${k}=${v}`).join(' ');
   return {
     '@schema': schema,
     markups: [
       markup('Fiducial', 'tumour', [plan.tumour.centre_lps_mm], 'tumour', radius),
       ...(plan.resection?.outline_lps_mm ? [markup('ClosedCurve', 'outline', plan.resection.outline_lps_mm, 'outline')] : []),
+      ...(segment ? [markup('Fiducial', 'segment apex', [segment.apex_lps_mm], 'apex', given(segment))] : []),
       ...(plan.incisions_lps_mm ?? []).map((line, i) => markup('Curve', i ? `incision ${i + 1}` : 'incision', line, 'incision')),
     ],
   };
@@ -30,13 +33,16 @@ export const isMarkups = (file: unknown): file is Markups =>
 
 /** The markups of a file laid over a plan. Throws a sentence when the file cannot be meant. */
 export function fromMarkups(file: Markups, onto: Plan | null, midline_mm: number): Plan {
-  let tumour: Point | null = null, words = '', outline: Point[] | null = null;
+  let tumour: Point | null = null, words = '', outline: Point[] | null = null, segment: Record<string, unknown> | null = null;
   const incisions: Point[][] = [];
   for (const m of file.markups) {
     if (m.coordinateUnits && m.coordinateUnits !== 'mm') throw new Error(`the markups are in ${m.coordinateUnits}; millimetres are expected`);
     const points = (m.controlPoints ?? []).map((p) => inLps(p.position, m.coordinateSystem ?? 'LPS'));
     const kind = (m.name ?? '').toLowerCase();
-    if (m.type === 'Fiducial' && points.length && (kind.includes('tumo') || !tumour)) {
+    if (m.type === 'Fiducial' && points.length && kind === 'segment apex') {
+      const numbers = [...(m.controlPoints?.[0].description ?? '').matchAll(/(angle_deg|from_mm|to_mm)=([\d.]+)/g)];
+      segment = { apex_lps_mm: points[0], ...Object.fromEntries(numbers.map(([, key, value]) => [key, Number(value)])) };
+    } else if (m.type === 'Fiducial' && points.length && (kind.includes('tumo') || !tumour)) {
       tumour = points[0];
       words = m.controlPoints?.[0].description ?? '';
     } else if (m.type === 'ClosedCurve' && points.length >= 3) outline = points;
@@ -54,7 +60,7 @@ export function fromMarkups(file: Markups, onto: Plan | null, midline_mm: number
     coordinates: undefined,
     tumour: { centre_lps_mm: centre, equivalent_radius_mm: Number(told('radius_mm')) || base.tumour.equivalent_radius_mm },
     planned_margin_mm: told('margin_mm') ? Number(told('margin_mm')) : base.planned_margin_mm,
-    ...(outline ? { resection: { outline_lps_mm: outline } } : {}),
+    ...(outline ? { resection: { outline_lps_mm: outline } } : segment ? { resection: { segment } as Plan['resection'] } : {}),
     ...(incisions.length ? { incision: { kind: 'free' }, incisions_lps_mm: incisions } : {}),
   };
 }

@@ -24,7 +24,7 @@ export class Numbers {
         number(about + n.excised_percent.toFixed(1), '%', t.share)),
       h('div', { class: 'share', title: t.shareSource, role: 'img', 'aria-label': t.shareBand(n.excised_percent) }, needle,
         h('span', { class: 'tick ten' }, '10'), h('span', { class: 'tick twenty' }, '20 %')),
-      h('p', { class: 'quiet' }, t.shareBand(n.excised_percent), ' ', h('span', { class: 'source', title: t.shareSource, tabIndex: 0 }, 'Source')),
+      h('p', { class: 'quiet' }, t.shareBand(n.excised_percent), ' ', h('span', { class: 'source', title: t.shareSource, tabIndex: 0 }, t.source)),
       h('div', { class: 'big small' },
         number(n.to_skin_mm.toFixed(0), 'mm', t.toSkin),
         number(n.to_chest_mm.toFixed(0), 'mm', t.toFascia)),

@@ -43,13 +43,14 @@ class Planner {
   private preset: string;
   private name: HTMLInputElement;
   private seeThrough = true;
+  private readonly elsewhere = h('div', { role: 'status' });
   private radius: Slider | null = null;
 
-  constructor(private readonly app: App, private readonly panel: HTMLElement, private readonly saved: Plan | null,
+  constructor(private readonly app: App, private readonly panel: HTMLElement, private saved: Plan | null,
     private readonly marked: { centre_lps_mm: Point; equivalent_radius_mm: number; side: Side } | null) {
     this.history = new History(saved);
     this.preset = app.summary!.parameters['heal.preset'] ?? 'vavourakis2016';
-    this.name = h('input', { type: 'text', value: saved?.name ?? '', maxLength: 60, placeholder: 'Plan A', oninput: () => this.rename() });
+    this.name = h('input', { type: 'text', value: app.summary!.plan_name, maxLength: 60, placeholder: t.namePlaceholder, onblur: (e: FocusEvent) => this.rename(e) });
   }
 
   private get plan(): Plan | null { return this.history.current; }
@@ -58,7 +59,7 @@ class Planner {
     const { app } = this;
     fill(this.panel, [h('h2', {}, text.steps.plan[0]),
       this.app.body ? null : h('p', { class: 'quiet' }, text.view.noWebgl),
-      this.numbers.element, this.hint, this.fields, this.actions]);
+      this.elsewhere, this.numbers.element, this.hint, this.fields, this.actions]);
     let tools: HTMLElement | undefined;
     if (app.viewer && app.body) {
       app.viewer.setPanes([{ title: '', bodies: [app.body] }]);
@@ -75,7 +76,7 @@ class Planner {
     this.draw();
     this.ask(false);
     return {
-      panel: this.panel, tools, update: () => this.drawActions(),
+      panel: this.panel, tools, update: () => this.drawActions(), changed: () => void this.changedElsewhere(),
       key: (e) => this.key(e),
       close: () => { if (app.viewer) app.viewer.onPick = null; },
     };
@@ -126,8 +127,9 @@ class Planner {
         this.lastPick ? slider(t.depth, { min: 3, max: 80, step: 1 }, this.depth, (v) => `${v} mm`, (v, done) => { this.depth = v; this.moveTumour(done); }).element : null),
       h('section', {}, h('h3', {}, t.excision),
         slider(t.margin, { min: 0, max: 30, step: 1 }, plan.planned_margin_mm, (v) => `${v} mm`, this.slide(draft.withMargin)).element,
-        choice(t.shape, Object.entries(t.shapes) as [draft.Shape, string][], this.tool === 'outline' ? 'free' : shape, (s) => this.chooseShape(s)).element,
+        choice(t.shape, Object.entries(t.shapes).filter(([k]) => k === 'cylinder' || this.app.body) as [draft.Shape, string][], this.tool === 'outline' ? 'free' : shape, (s) => this.chooseShape(s)).element,
         shape === 'cylinder' ? (this.radius = slider(t.own, { min: 3, max: 60, step: 0.5 }, draft.radiusOf(plan), (v) => `${v.toFixed(1)} mm${draft.isAutomatic(this.plan!) ? ` (${t.auto})` : ''}`, this.slide(draft.withRadius))).element : null,
+        ...(shape === 'segment' ? this.segmentFields(plan) : []),
         shape === 'free' ? h('button', { onclick: () => this.use('outline') }, t.draw) : null,
         slider(t.clearance, { min: 1, max: 20, step: 1 }, plan.clearance_mm ?? 5, (v) => `${v} mm`, this.slide(draft.withClearance)).element),
       h('section', {}, choice(t.incision, Object.entries(t.incisions).filter(([k]) => k !== 'free' || this.app.body) as [draft.Incision, string][],
@@ -137,6 +139,13 @@ class Planner {
     this.drawActions();
   }
 
+  private segmentFields(plan: Plan): HTMLElement[] {
+    const usual = draft.usualSegment(plan), own = plan.resection!.segment!;
+    const ranges = { angle_deg: { min: 10, max: 160, step: 5 }, from_mm: { min: 0, max: 120, step: 1 }, to_mm: { min: 10, max: 180, step: 1 } };
+    return (['angle_deg', 'from_mm', 'to_mm'] as const).map((key) => slider(t.segment[key], ranges[key], own[key] ?? usual[key],
+      (v) => (this.plan?.resection?.segment?.[key] === undefined ? t.byMargin : `${v.toFixed(0)} ${key === 'angle_deg' ? '°' : 'mm'}`),
+      this.slide((p, v) => draft.withSegment(p, { [key]: v }))).element);
+  }
   private drawActions(): void {
     const { app, plan } = this, busy = app.busy(app.summary!.id);
     const changed = !draft.sameSurgery(plan, this.saved) || this.preset !== (app.summary!.parameters['heal.preset'] ?? 'vavourakis2016');
@@ -154,9 +163,10 @@ class Planner {
     ]);
   }
 
-  /** Nothing is drawn anew: a button made anew between press and release would lose its click. */
-  private rename(): void {
-    if (this.plan) this.history.push({ ...this.plan, name: this.name.value }, true);
+  /** The name goes to this case, unless the next click makes another one for it. */
+  private rename(e: FocusEvent): void {
+    if ((e.relatedTarget as HTMLElement | null)?.id === 'another' || this.name.value.trim() === this.app.summary!.plan_name) return;
+    void this.app.attempt(() => api.name(this.app.summary!.id, this.name.value.trim()));
   }
   private start(centre: Point, radius: number, side: Side, frame: 'prone' | 'supine'): void {
     this.history.push(draft.newPlan(side, centre, radius, frame));
@@ -166,7 +176,7 @@ class Planner {
   private chooseShape(shape: draft.Shape): void {
     if (shape === 'free') { this.use('outline'); return; }
     this.use('none');
-    this.change((p) => draft.withShape(p, shape));
+    this.change((p) => draft.withShape(p, shape, shape === 'segment' ? [this.app.body!.head.nipple[p.operated_side][p.frame]] : undefined));
     this.draw();
   }
   private chooseIncision(kind: draft.Incision): void {
@@ -229,7 +239,6 @@ class Planner {
   }
   private step(which: 'undo' | 'redo'): void {
     this.history[which]();
-    this.name.value = this.plan?.name ?? '';
     this.draw();
     this.ask(false);
   }
@@ -266,6 +275,23 @@ class Planner {
     viewer.draw();
   }
 
+  /** Another page has simulated this case with another plan: take it over, or say so. */
+  private async changedElsewhere(): Promise<void> {
+    const { plan } = await api.plan(this.app.summary!.id);
+    if (document.activeElement !== this.name) this.name.value = this.app.summary!.plan_name;
+    if (draft.sameSurgery(plan, this.saved)) return;
+    const untouched = draft.sameSurgery(this.plan, this.saved), same = draft.sameSurgery(plan, this.plan);
+    this.saved = plan;
+    const take = (): void => {
+      this.history.push(plan);
+      fill(this.elsewhere, []);
+      this.draw();
+      this.ask(false);
+    };
+    if (untouched && !same) take();
+    else if (!same) fill(this.elsewhere, [h('p', { class: 'warning' }, t.elsewhere, ' ', h('button', { onclick: take }, t.takeOver))]);
+    this.drawActions();
+  }
   private async simulate(): Promise<void> {
     const id = this.app.summary!.id;
     const started = await this.app.attempt(() => api.run(id, { plan: this.plan, set: { 'heal.preset': this.preset } }));
@@ -275,8 +301,9 @@ class Planner {
     const from = this.app.summary!.id;
     const made = await this.app.attempt(async () => {
       const copy = await api.copy(from, `${from.replace(/-plan(-\d+)?$/, '')}-plan`);
-      const plan = { ...this.plan, name: this.name.value === (this.saved?.name ?? '') ? '' : this.name.value };
-      const { job } = await api.run(copy.case, { plan, to: 'supine' });
+      const name = this.name.value.trim();
+      if (name && name !== this.app.summary!.plan_name) await api.name(copy.case, name);
+      const { job } = await api.run(copy.case, { plan: this.plan, to: 'supine' });
       // The plan is in the case when its run has begun to compute.
       for (let state = 'queued'; state === 'queued' || state === 'running';) {
         await new Promise((resume) => setTimeout(resume, 300));

@@ -24,6 +24,15 @@ test('a moved tumour leaves axis, outline and drawn incision behind', () => {
   expect(draft.incisionOf(moved)).toBe('over');
 });
 
+test('a segment stays with its nipple, without the numbers of the old place', () => {
+  const wedge = draft.withSegment(draft.withShape(plan, 'segment', [[80, -90, 0]]), { angle_deg: 70 });
+  expect(draft.shapeOf(wedge)).toBe('segment');
+  expect(draft.sameSurgery(wedge, draft.withSegment(wedge, { angle_deg: 60 }))).toBe(false);
+  expect(draft.withTumourAt(wedge, [100, -30, 20], 'L').resection?.segment).toEqual({ apex_lps_mm: [80, -90, 0] });
+  expect(draft.shapeOf(draft.withTumourAt(wedge, [-90, -30, 0], 'R'))).toBe('cylinder');
+  expect(draft.withShape(wedge, 'free', [[0, 0, 0], [1, 0, 0], [0, 0, 1]]).resection?.segment).toBeUndefined();
+});
+
 test('keys that are not ours stay', () => {
   const theirs = { ...plan, patient_note: { by: 'them' } };
   expect(draft.withMargin(theirs, 12).patient_note).toEqual({ by: 'them' });

@@ -5,6 +5,7 @@ import type { Bundle } from '../bundle';
 import { fill, h } from '../dom';
 import { text } from '../text';
 import { labelColours } from '../view/colours';
+import { Solid } from './solid';
 
 const t = text.patient;
 /** Image axes of each plane: right and down in voxel directions (+i left, +j posterior, +k superior). */
@@ -20,7 +21,9 @@ export async function patientStep(app: App): Promise<StepView> {
     fill(panel, [h('h2', {}, text.steps.patient[0]), h('p', { class: 'quiet' }, text.working)]);
     return { panel, stage: h('div', { class: 'slices' }) };
   }
-  return new Slices(app, panel, await api.volume(app.summary!.id)).view();
+  const [volume, body] = await Promise.all([api.volume(app.summary!.id), app.bodyOf(app.summary!)]);
+  app.body = body;
+  return new Slices(app, panel, volume).view();
 }
 
 class Slices {
@@ -31,13 +34,16 @@ class Slices {
   private readonly canvases = planes.map((p) => h('canvas', { tabIndex: 0, role: 'img', 'aria-label': p.name }));
   private readonly where = h('p', { class: 'where', 'aria-live': 'polite' });
   private readonly tumour: Point | null;
+  private readonly solid: Solid | null = null;
 
   constructor(private readonly app: App, private readonly panel: HTMLElement, private readonly data: Bundle<VolumeHead>) {
     this.labels = data.u8('labels');
     this.grey = data.has('grey') ? data.u8('grey') : null;
     this.tumour = this.centreOf(8);
     const middle = data.head.size.map((n) => Math.floor(n / 2)) as Point;
-    this.at = this.tumour ?? middle;
+    const kept = app.crosshair?.id === app.summary!.id ? this.voxelAt(app.crosshair.at) : null;
+    this.at = kept ?? this.tumour ?? middle;
+    if (app.viewer && app.body) this.solid = new Solid(app, (mm) => { this.at = this.voxelAt(mm); this.draw(); });
   }
 
   view(): StepView {
@@ -61,10 +67,10 @@ class Slices {
         if (forward || back) { e.preventDefault(); this.step(p.through, forward ? 1 : -1); }
       });
       return h('figure', {}, h('div', { class: 'slice' }, canvas, ...p.letters.map((letter, k) => h('span', { class: `letter ${['top', 'bottom', 'left', 'right'][k]}`, 'aria-hidden': 'true' }, letter))), h('figcaption', {}, p.name));
-    }));
+    }), this.solid ? h('figure', { class: 'solid' }, this.app.viewer!.element, h('figcaption', {}, t.solid)) : null);
     this.draw();
     return {
-      panel: this.panel, stage,
+      panel: this.panel, stage, close: () => this.solid?.close(),
       key: (e) => {
         if (e.key !== 'g' || e.ctrlKey || (e.target as HTMLElement).tagName === 'INPUT') return false;
         document.querySelector<HTMLInputElement>('#overlay')?.click();
@@ -85,6 +91,10 @@ class Slices {
     this.at[p.down] = Math.max(0, Math.min(size[p.down] - 1, p.flipDown ? size[p.down] - 1 - y : y));
     this.draw();
   }
+  private voxelAt(mm: Point): Point {
+    const { origin_mm, spacing_mm, size } = this.data.head;
+    return mm.map((x, c) => Math.max(0, Math.min(size[c] - 1, Math.round((x - origin_mm[c]) / spacing_mm[c])))) as Point;
+  }
   private index(i: number, j: number, k: number): number {
     const { size } = this.data.head;
     return (k * size[1] + j) * size[0] + i;
@@ -93,6 +103,8 @@ class Slices {
     planes.forEach((_, i) => this.drawPlane(i));
     const { origin_mm, spacing_mm } = this.data.head;
     const mm = this.at.map((v, c) => origin_mm[c] + v * spacing_mm[c]);
+    this.app.crosshair = { id: this.app.summary!.id, at: mm as Point };
+    this.solid?.show(mm as Point);
     this.where.textContent = `${t.position(mm)} · ${t.tissues[this.labels[this.index(...this.at)]] ?? ''}`;
   }
   private drawPlane(number: number): void {

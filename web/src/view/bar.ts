@@ -12,7 +12,7 @@ const t = text.view;
 export function viewBar(viewer: Viewer, toggle?: { label: string; value: boolean; change: (value: boolean) => void }): HTMLElement {
   const views: [StandardView, string][] = [['front', t.front], ['left-oblique', t.leftOblique], ['right-oblique', t.rightOblique],
     ['left', t.left], ['right', t.right], ['above', t.above]];
-  return h('div', { class: 'view-bar', role: 'toolbar', 'aria-label': 'Views' },
+  return h('div', { class: 'view-bar', role: 'toolbar', 'aria-label': t.views },
     ...views.map(([name, label]) => h('button', { class: 'plain', onclick: () => viewer.orbit.view(name) }, label)),
     h('button', { class: 'plain', onclick: () => viewer.orbit.reset() }, t.reset),
     toggle ? h('label', { class: 'check' }, h('input', {

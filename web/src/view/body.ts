@@ -122,7 +122,13 @@ export class Body {
     for (let i = 0; i < breast.length; i += 3) {
       if (breast[i] === 0) continue;
       for (let c = 0; c < 3; ++c) points.push(a[3 * i + c]);
-      for (let c = 0; c < 3; ++c) points.push(a[3 * i + c] + scale * (b[3 * i + c] - a[3 * i + c]));
+      const tip = [0, 1, 2].map((c) => a[3 * i + c] + scale * (b[3 * i + c] - a[3 * i + c]));
+      points.push(...tip);
+      // Two barbs, a quarter as long, tell where it points.
+      for (const side of [-1, 1]) {
+        const d = tip.map((x, c) => x - a[3 * i + c]);
+        points.push(...tip, ...tip.map((x, c) => x - 0.25 * d[c] + 0.12 * side * d[(c + 1) % 3] * (c === 2 ? -1 : 1)));
+      }
     }
     this.arrows.geometry.dispose();
     this.arrows.geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
@@ -144,6 +150,19 @@ export class Body {
     const inside = hit.face.normal.clone();
     if (inside.dot(ray.direction) < 0) inside.negate();
     return { point: hit.point.toArray() as Point, corners, weights, inside };
+  }
+  /** A function that tells a vertex field's value (three numbers a vertex) at the place of the skin
+   * that is nearest to a point of a pose. */
+  nearestPlace(pose: string): (p: Vector3, field: Float32Array, into: Point) => void {
+    const geometry = new BufferGeometry(), positions = new BufferAttribute(this.bundle.f32(`points.${pose}`), 3);
+    geometry.setAttribute('position', positions);
+    geometry.setIndex((this.skin.geometry.index as BufferAttribute).clone());
+    const tree = new MeshBVH(geometry), index = geometry.index!.array;
+    return (p, field, into) => {
+      const hit = tree.closestPointToPoint(p)!, corners = [0, 1, 2].map((c) => index[3 * hit.faceIndex + c]);
+      const weights = barycentric(hit.point, corners.map((i) => new Vector3().fromBufferAttribute(positions, i)));
+      for (let c = 0; c < 3; ++c) into[c] = corners.reduce((sum, v, i) => sum + weights[i] * field[3 * v + c], 0);
+    };
   }
   /** The same place of the skin in another pose. */
   placeIn(pick: Pick, pose: string): Point {

@@ -27,6 +27,7 @@ export class Viewer {
   private readonly sides = [h('span', { class: 'side-word left' }), h('span', { class: 'side-word right' })];
   private readonly divider: HTMLElement;
   private waiting = false;
+  private unframed = false;
 
   /** Throws where the browser has no WebGL. */
   constructor() {
@@ -59,8 +60,9 @@ export class Viewer {
     }
     this.resize();
   }
-  /** The camera's resting place: all of the first pane's body in view. */
+  /** The camera's resting place: all of the first pane's body in view. Not on the page yet: later. */
   frame(): void {
+    this.unframed = this.element.clientWidth === 0 || !this.element.isConnected;
     const sphere = new Sphere();
     const body = this.panes[0]?.bodies[0];
     if (!body) return;
@@ -72,7 +74,7 @@ export class Viewer {
     }
     sphere.center.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2);
     sphere.radius = 0.5 * Math.hypot(high[0] - low[0], high[2] - low[2]);
-    const aspect = this.panes.length > 1 && this.layout === 'grid' ? 0.8 : (this.element.clientWidth || 900) / (this.element.clientHeight || 700);
+    const pane = this.rectangles()[0], aspect = pane && pane.h > 0 && pane.w > 0 ? pane.w / pane.h : 1.3;
     const wide = (high[0] - low[0]) / 2 / Math.min(aspect, 1.6), tall = (high[2] - low[2]) / 2;
     this.orbit.home = { target: sphere.center.clone(), distance: 1.18 * Math.max(wide, tall) / Math.tan((11 * Math.PI) / 180) + (high[1] - low[1]) / 2 };
     this.orbit.reset();
@@ -90,6 +92,12 @@ export class Viewer {
     if (w === 0 || hgt === 0) return;
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.setSize(w, hgt);
+    if (this.unframed) {
+      const { azimuth, elevation } = this.orbit;
+      this.frame();
+      Object.assign(this.orbit, { azimuth, elevation });
+      this.orbit.apply();
+    }
     this.draw();
   }
   /** Where each pane is drawn, in CSS pixels from the top left. */
