@@ -141,6 +141,7 @@ class Report(CliTest):
         self.assertLess(outcome["scans"]["preop"]["model_error"]["whole"]["p95_mm"], 0.3)
         self.assertTrue(outcome["cosmetics"]["sternal_notch_known"])
         self.refused(2, "run", self.case, "--scan-landmarks", bad, says=["landmarks"])
+        self.run_ok("run", self.case, "--scan-landmarks", good)
 
     def test_f_a_scan_of_two_million_triangles_is_read_in_time_and_memory(self):
         # A bulging sheet 0.5 m wide, 1000 x 1000 squares.

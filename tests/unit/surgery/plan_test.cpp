@@ -70,7 +70,7 @@ TEST(APlan, ThatIsWrongIsRefusedByTheNameOfItsKey) {
   EXPECT_THAT(with("/clearance_mm", 0.0), HasSubstr("clearance_mm"));
   EXPECT_THAT(with("/resection/radius_mm", 5.0), HasSubstr("smaller than the tumour"));
   EXPECT_THAT(with("/resection/axis_towards_skin_lps", json::array({0, 0, 0})), HasSubstr("zero"));
-  EXPECT_THAT(with("/frame", "upright"), HasSubstr("frame"));
+  EXPECT_THAT(with("/frame", "sitting"), HasSubstr("frame"));
   EXPECT_THAT(with("/coordinates", "LPS mm, SUPINE configuration"), HasSubstr("SUPINE"));
   EXPECT_THAT(with("/incisions_lps_mm", json::array({json::array()})), HasSubstr("incisions"));
   json no_tumour = minimal();
