@@ -233,7 +233,7 @@ ClipBox choose_box(const LabelImage& labels, const BreastMap& breasts,
   if (options.slab_half_height_mm > 0.0) {
     const double centre = 0.5 * (options.nipple_mm[0][2] + options.nipple_mm[1][2]);
     z = {centre - options.slab_half_height_mm + margin_mm,
-         centre + options.slab_half_height_mm - margin_mm};
+         centre + options.slab_half_height_mm - options.above_mm};
   }
   const Vec3 first = labels.origin_mm;
   const Vec3 last = labels.position_mm(labels.size[0] - 1, labels.size[1] - 1, labels.size[2] - 1);
@@ -242,7 +242,7 @@ ClipBox choose_box(const LabelImage& labels, const BreastMap& breasts,
                 std::max(z.low - margin_mm, first[2] + border_mm)};
   box.high_mm = {std::min(x.high + margin_mm, last[0] - border_mm),
                  std::min(rim_y.high + posterior_margin_mm, last[1] - border_mm),
-                 std::min(z.high + margin_mm, last[2] - border_mm)};
+                 std::min(z.high + options.above_mm, last[2] - border_mm)};
   return box;
 }
 

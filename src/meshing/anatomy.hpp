@@ -58,6 +58,8 @@ struct RollingBall {
 extern const RollingBall standing_ball;
 /// Farther from the nipple than this, seen from the front, no skin belongs to a standing breast.
 extern const double standing_reach_mm;
+/// A standing breast hangs from skin well above it, which must be free to follow.
+extern const double standing_above_mm;
 
 struct AnatomyOptions {
   double midline_x_mm = 0.0;
@@ -65,6 +67,7 @@ struct AnatomyOptions {
   double slab_half_height_mm = 0.0;  ///< 0: from the extent of the breasts
   RollingBall ball{};
   double breast_reach_mm = 1e3;  ///< from the nipple, seen from the front
+  double above_mm = 25.0;        ///< of the model above what clearly stands forward
 };
 
 /// labels: isotropic, LPS. Throws Error{Input} without chest wall or breasts.

@@ -14,6 +14,7 @@ constexpr double footprint_prominence_mm = 10.0;
 
 const RollingBall standing_ball{80.0, 80.0, 130.0};
 const double standing_reach_mm = 115.0;
+const double standing_above_mm = 60.0;
 
 namespace {
 

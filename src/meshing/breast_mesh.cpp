@@ -126,7 +126,8 @@ BreastModel mesh_breasts(const LabelImage& labels, const Image3<float>& fibrogla
                     .nipple_mm = nipple_mm,
                     .slab_half_height_mm = 1e3 * options.slab_half_height_m,
                     .ball = options.standing ? standing_ball : RollingBall{},
-                    .breast_reach_mm = options.standing ? standing_reach_mm : 1e3},
+                    .breast_reach_mm = options.standing ? standing_reach_mm : 1e3,
+                    .above_mm = options.standing ? standing_above_mm : 25.0},
                    ctx.part(0.0, 0.2));
   deadline.check();
   ctx.at(0.2, "clipped surface");
@@ -136,7 +137,10 @@ BreastModel mesh_breasts(const LabelImage& labels, const Image3<float>& fibrogla
   BreastModel model;
   Sizing sizing(anatomy, options);
   Refinement refinement(surface);
-  // Slightly different edges make another mesh, should flat cells remain.
+  // Slightly different edges make another mesh, should flat cells or faces inside the body remain.
+  const auto is_closed = [](const TetMesh& mesh) {
+    return boundary_of(mesh).size() == mesh.faces.size();
+  };
   for (const double factor : {1.0, 0.97, 1.03}) {
     refine_to_target(refinement, sizing, options.target_vertices, factor, deadline,
                      ctx.part(0.3, 0.5));
@@ -147,14 +151,13 @@ BreastModel mesh_breasts(const LabelImage& labels, const Image3<float>& fibrogla
     peel_flat_cells(mesh, wanted_dihedral_deg);
     move_vertices_of_flat_cells(mesh, surface, wanted_dihedral_deg);
     model.mesh = to_model_mesh(mesh, surface.box);
-    if (least_dihedral(model.mesh) > least_dihedral_deg) {
+    if (least_dihedral(model.mesh) > least_dihedral_deg && is_closed(model.mesh)) {
       break;
     }
   }
   check_and_orient(model.mesh, "breast mesh");
-  ensure(boundary_of(model.mesh).size() == model.mesh.faces.size(),
-         "breast mesh: {} boundary faces have no name",
-         boundary_of(model.mesh).size() - model.mesh.faces.size());
+  ensure(is_closed(model.mesh), "breast mesh: {} faces have names, {} are on the boundary",
+         model.mesh.faces.size(), boundary_of(model.mesh).size());
   if (const double angle = least_dihedral(model.mesh); angle <= least_dihedral_deg) {
     model.warnings.push_back(fmt::format("smallest dihedral angle {:.1f} degrees", angle));
   }

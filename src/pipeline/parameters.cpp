@@ -37,7 +37,7 @@ void add_geometry(std::vector<ParameterInfo>& t) {
                      "voxel size to which the labels are resampled"));
   t.push_back(choice("segment.density", {"a", "b", "c", "d"},
                      "density class of the breasts; for cases from a scan alone", "b"));
-  t.push_back(number("segment.wall_depth_mm", "18", 4, 40, "mm",
+  t.push_back(number("segment.wall_depth_mm", "15", 4, 40, "mm",
                      "soft tissue over the chest wall beside the breasts; for cases from a scan "
                      "alone"));
   t.push_back(choice("mesh.preset", {"standard", "paper"},

@@ -12,7 +12,7 @@ meshing::ColumnMap trunk_without_breasts(const FrontMap& front, const meshing::B
 
 /// Soft tissue between that skin and the fascia [mm], and the doubt (1 sd) about the wall's place
 /// behind a breast.
-inline constexpr double usual_wall_depth_mm = 18.0;
+inline constexpr double usual_wall_depth_mm = 15.0;
 inline constexpr double wall_doubt_mm = 10.0;
 
 }  // namespace sanatrix::standing

@@ -12,8 +12,9 @@ namespace {
 
 constexpr double map_spacing_mm = 4.0;   ///< as meshing looks for the breasts
 constexpr double body_spacing_mm = 2.0;  ///< of the distance to the skin; smooth between
-/// Beyond the breasts; the mesh ends 25 mm beyond them (meshing/anatomy.cpp).
+/// Beyond the breasts; the mesh ends before (meshing/anatomy.cpp).
 constexpr double beyond_mm = 45.0;
+const double above_mm = meshing::standing_above_mm + 20.0;
 constexpr double behind_rim_mm = 60.0;
 constexpr double skin_mm = 2.0;
 constexpr double muscle_mm = 12.0;
@@ -71,6 +72,27 @@ double check_coverage(const FrontMap& front, const meshing::BreastMap& breasts) 
   return (unseen[0] + unseen[1]) / (all[0] + all[1]);
 }
 
+/// z [mm] between which most of the trunk's width was scanned.
+std::array<double, 2> seen_heights(const FrontMap& front) {
+  const meshing::ColumnMap& map = front.skin_y;
+  std::vector<int> seen(static_cast<std::size_t>(map.size[1]), 0);
+  for (int k = 0; k < map.size[1]; ++k) {
+    for (int i = 0; i < map.size[0]; ++i) {
+      seen[static_cast<std::size_t>(k)] += front.seen[map.index(i, k)] ? 1 : 0;
+    }
+  }
+  const int enough = *std::ranges::max_element(seen) / 2;
+  const auto is_enough = [&](int n) {
+    return n >= enough;
+  };
+  const auto first = std::ranges::find_if(seen, is_enough) - seen.begin();
+  const auto last = std::find_if(seen.rbegin(), seen.rend(), is_enough).base() - seen.begin() - 1;
+  const auto height = [&](auto k) {
+    return map.origin_mm[1] + static_cast<double>(k) * map.spacing_mm;
+  };
+  return {height(first), height(last)};
+}
+
 LabelImage grid_around(const meshing::BreastMap& breasts, const FrontMap& front,
                        double spacing_mm) {
   Vec3 low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
@@ -88,11 +110,16 @@ LabelImage grid_around(const meshing::BreastMap& breasts, const FrontMap& front,
       }
     }
   }
+  // Not where the scan ends: what is made up beyond its rim is good for holes, not for a trunk.
+  const auto [lowest, highest] = seen_heights(front);
+  low[2] = std::max(low[2] - beyond_mm, lowest);
+  high[2] = std::min(high[2] + above_mm, highest);
   LabelImage grid{.spacing_mm = {spacing_mm, spacing_mm, spacing_mm}, .voxels = {}};
   std::size_t count = 1;
   for (std::size_t a = 0; a < 3; ++a) {
-    grid.origin_mm[a] = low[a] - (a == 1 ? 10.0 : beyond_mm);
-    const double end = high[a] + (a == 1 ? behind_rim_mm : beyond_mm);
+    constexpr Vec3 before{beyond_mm, 10.0, 0.0}, behind{beyond_mm, behind_rim_mm, 0.0};
+    grid.origin_mm[a] = low[a] - before[a];
+    const double end = high[a] + behind[a];
     grid.size[a] = 1 + static_cast<int>((end - grid.origin_mm[a]) / spacing_mm);
     count *= static_cast<std::size_t>(grid.size[a]);
   }
