@@ -142,9 +142,9 @@ Patch patch_of(const Anatomy& anatomy, const std::vector<ClipPlane>& planes,
 
 /// A plane through grid points would pass exactly through vertices of the iso-surface (a skin
 /// closed by hand is often flat there) and leave edges of micrometres: it is moved between them.
-double between_grid_planes(double at_mm, double origin_mm, double spacing_mm) {
+double between_grid_planes(double at_mm, double origin_mm, double spacing_mm, double inwards) {
   const double cells = (at_mm - origin_mm) / spacing_mm;
-  return std::abs(cells - std::round(cells)) < 0.05 ? at_mm + 0.4 * spacing_mm : at_mm;
+  return std::abs(cells - std::round(cells)) < 0.05 ? at_mm + 0.4 * inwards * spacing_mm : at_mm;
 }
 
 ClipBox shifted_box(const Anatomy& anatomy, const Vec3& inwards_mm) {
@@ -164,8 +164,8 @@ ClipBox shifted_box(const Anatomy& anatomy, const Vec3& inwards_mm) {
     box.high_mm[a] =
         by > 0.0 ? box.high_mm[a] - by
                  : std::max(box.high_mm[a], std::min(box.high_mm[a] - by, last[a] - border));
-    box.low_mm[a] = between_grid_planes(box.low_mm[a], first[a], image.spacing_mm[a]);
-    box.high_mm[a] = between_grid_planes(box.high_mm[a], first[a], image.spacing_mm[a]);
+    box.low_mm[a] = between_grid_planes(box.low_mm[a], first[a], image.spacing_mm[a], 1);
+    box.high_mm[a] = between_grid_planes(box.high_mm[a], first[a], image.spacing_mm[a], -1);
   }
   return box;
 }
