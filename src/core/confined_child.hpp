@@ -16,9 +16,9 @@ struct ChildLimits {
 };
 
 /// Calls `work` in a forked child and returns the bytes that it returns. The child can write no
-/// file unless `file_bytes` says so, opens few, and what it prints goes nowhere. An Error thrown by `work` arrives with its
-/// fault, text and hint. A crash is Error{Input}, a breach of a limit Error{Resource}; both begin
-/// with `activity` (which names the file).
+/// file unless `file_bytes` says so, opens few, and what it prints goes nowhere. An Error thrown by
+/// `work` arrives with its fault, text and hint. A crash is Error{Input}, a breach of a limit
+/// Error{Resource}; both begin with `activity` (which names the file).
 std::string in_confined_child(const std::string& activity, const ChildLimits& limits,
                               const std::function<std::string()>& work);
 

@@ -12,7 +12,7 @@ struct GlandularModel {
   double gland_signal = 0.3;  ///< of pure fibroglandular tissue, relative to fat's 1
   double fat_signal = 1.0;    ///< peak of fat after bias correction
   double fat_spread = 0.05;   ///< standard deviation of fat: noise, texture, rest of the shading
-  double separation = 0.0;  ///< |fat - gland| / spread: below 3 the two cannot be told apart
+  double separation = 0.0;    ///< |fat - gland| / spread: below 3 the two cannot be told apart
 };
 
 /// Finds the two classes in the histogram of `relative` within `where`.

@@ -52,8 +52,11 @@ Recipe recipe(const Case& patient, Stage stage) {
     }
   };
   if (stage == Stage::Image) {
-    for (const std::string name : {"labels", "image", "image_facts", "scan", "scan_frame"}) {
+    for (const std::string name : {"labels", "image", "image_facts", "scan_frame"}) {
       add_input(name);
+    }
+    if (patient.scan_only()) {  // beside an image, a scan only says how she looks standing
+      add_input("scan");
     }
   } else if (stage == Stage::Segment) {
     made.entries["label preset"] = patient.label_preset;

@@ -10,7 +10,7 @@ import tempfile
 import time
 import unittest
 
-from sanatrix_cli import QUICK, CliTest, main, sanatrix, start, write_patient
+from sanatrix_cli import QUICK, CliTest, main, sanatrix, start, write_patient, stages_run
 
 
 def turned(source, target, angle, shift, scale):
@@ -121,6 +121,7 @@ class Report(CliTest):
         bad = self.place / "two.json"
         bad.write_text(json.dumps({"landmarks_scan_mm": {"nipple_L": [0, 0, 0]}}))
         self.run_ok("run", self.case, "--scan", scan, "--set", "outcome.pictures=no")
+        self.assertEqual(stages_run(self.case), ["outcome"])  # the model is of the image alone
         truth = json.loads((self.case / "stages/90-outcome/outcome.json").read_text())
         self.assertLess(truth["scans"]["preop"]["model_error"]["whole"]["p95_mm"], 0.3)
         # The vertices farthest forward on each side stand for the nipples.
