@@ -88,6 +88,8 @@ class Solver {
 
   /// Changed tissue (healing), same mesh.
   void set_tissue(std::span<const Tissue> tissue);
+  /// SolveOptions::relative_tolerance of the solves that follow.
+  void set_tolerance(double relative);
 
   /// Loaded shape of a body with this stress-free reference. `guess` may be empty. Load is stepped
   /// from the guess's equilibrium (or rest) and halved on failure; held nodes start where the loads

@@ -208,6 +208,10 @@ void Solver::set_tissue(std::span<const Tissue> tissue) {
   impl_->discrete.set_tissue(tissue);
 }
 
+void Solver::set_tolerance(double relative) {
+  impl_->options.relative_tolerance = relative;
+}
+
 /// From the guess or from rest.
 Shape Solver::Impl::solve(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity,
                           const Shape* guess, const Context& ctx) {

@@ -5,39 +5,32 @@
 namespace sanatrix::recovery {
 
 WoundShape::WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction,
-                       std::span<const Vec3> reference_points)
-    : mesh_(&mesh) {
+                       std::span<const Vec3> reference_points,
+                       std::span<const mechanics::Tissue> healthy)
+    : mesh_(&mesh), volumes_(cell_volumes(mesh, reference_points)) {
   // The boundary of the sub-mesh of wound cells: faces that only one of them has.
   TetMesh wound;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     if (wound_fraction[c] >= 0.5) {
       wound.cells.push_back(mesh.cells[c]);
     }
+    at_rest_ += wound_fraction[c] * volumes_[c];
+    compliance_.push_back((1.0 - wound_fraction[c]) * volumes_[c] / healthy[c].kappa);
   }
   wound.points = mesh.points;
   wall_ = boundary_of(wound);
-  std::vector<bool> wounded(mesh.points.size(), false);
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    for (const int v : mesh.cells[c]) {
-      wounded[static_cast<std::size_t>(v)] =
-          wounded[static_cast<std::size_t>(v)] || wound_fraction[c] > 0.0;
-    }
-  }
-  const std::vector<double> volumes = cell_volumes(mesh, reference_points);
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    if (std::ranges::any_of(mesh.cells[c],
-                            [&](int v) { return wounded[static_cast<std::size_t>(v)]; })) {
-      touching_.push_back(c);
-      healthy_share_.push_back((1.0 - wound_fraction[c]) * volumes[c]);
-    }
-  }
 }
 
-double WoundShape::volume(std::span<const Vec3> points) const {
-  const std::vector<double> volumes = cell_volumes(*mesh_, points);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < touching_.size(); ++i) {
-    sum += volumes[touching_[i]] - healthy_share_[i];
+double WoundShape::volume(std::span<const double> jacobians,
+                          std::span<const double> pressure) const {
+  double sum = at_rest_;
+  for (std::size_t c = 0; c < volumes_.size(); ++c) {
+    sum += volumes_[c] * (jacobians[c] - 1.0);
+    if (!pressure.empty()) {
+      for (const int v : mesh_->cells[c]) {
+        sum -= 0.25 * compliance_[c] * pressure[static_cast<std::size_t>(v)];
+      }
+    }
   }
   return std::max(sum, 0.0);
 }

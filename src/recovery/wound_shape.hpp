@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/tet_mesh.hpp"
+#include "mechanics/material.hpp"
 
 namespace sanatrix::recovery {
 
@@ -12,20 +13,24 @@ namespace sanatrix::recovery {
 class WoundShape {
  public:
   /// wound_fraction per cell, 0..1; the wall separates cells at or above one half from the others.
+  /// `healthy` is the tissue of every cell before surgery.
   WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction,
-             std::span<const Vec3> reference_points);
-  /// Volume of the wounded share [m3]. Healthy tissue is incompressible and the elements conserve
-  /// volume around vertices, not cell by cell: in all cells that touch the wound, the healthy share
-  /// keeps its reference volume and the wound takes the whole change.
-  [[nodiscard]] double volume(std::span<const Vec3> points) const;
+             std::span<const Vec3> reference_points, std::span<const mechanics::Tissue> healthy);
+  /// Volume of the wounded share [m3] from det F per cell and pressure per vertex [Pa] (empty:
+  /// zero). Elements with a pressure field conserve volume in the mean, not cell by cell: healthy
+  /// cells at the wall lose what the wound should. The body's change of volume, less what healthy
+  /// tissue is compressed by the pressure, is the wound's, on any mesh.
+  [[nodiscard]] double volume(std::span<const double> jacobians,
+                              std::span<const double> pressure) const;
   /// Area-weighted mean displacement of the wall towards the inside [m].
   [[nodiscard]] double mean_inward_displacement(std::span<const Vec3> before,
                                                 std::span<const Vec3> after) const;
 
  private:
   const TetMesh* mesh_;
-  std::vector<std::size_t> touching_;     ///< cells with a vertex of the wound
-  std::vector<double> healthy_share_;     ///< of each of them, reference volume [m3]
+  double at_rest_ = 0.0;                  ///< wounded share of the reference volume [m3]
+  std::vector<double> volumes_;           ///< of every cell, reference [m3]
+  std::vector<double> compliance_;        ///< of its healthy share [m3/Pa]
   std::vector<std::array<int, 3>> wall_;  ///< oriented out of the wound
 };
 

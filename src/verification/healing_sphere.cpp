@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <ranges>
 
 #include "geometry/structured_mesh.hpp"
 #include "recovery/recovery.hpp"
@@ -63,6 +64,26 @@ TetMesh wounded_ball(double radius, int layers) {
   return ball_octant(graded_radii(radius, layers, 3.0 * radius, 1.4));
 }
 
+TetMesh ball_with_fine_wall(double radius, double thinnest, double growth) {
+  std::vector<double> inwards;  // thicknesses from the wall
+  double h = thinnest;
+  double rest = radius;
+  for (; rest > 1.6 * h; h *= growth) {
+    inwards.push_back(h);
+    rest -= h;
+  }
+  std::vector<double> radii{0.0, rest};
+  for (const double thickness : inwards | std::views::reverse) {
+    radii.push_back(radii.back() + thickness);
+  }
+  const double outer = 3.0 * radius;
+  for (h = thinnest; radii.back() < outer; h *= growth) {
+    const double next = radii.back() + h;
+    radii.push_back(next > outer - 0.5 * h ? outer : next);
+  }
+  return ball_octant(radii);
+}
+
 std::vector<double> wound_of(const TetMesh& mesh, double radius) {
   return cells_where(mesh, [=](const Vec3& p) { return norm(p) < radius; });
 }
@@ -92,9 +113,8 @@ SphereHealing heal_species(const std::string& preset, double radius, int layers,
   return h;
 }
 
-SphereHealing heal_body(const std::string& preset, double radius, int layers, double days,
+SphereHealing heal_body(const std::string& preset, const TetMesh& mesh, double radius, double days,
                         const Context& ctx, mechanics::Element element) {
-  const TetMesh mesh = wounded_ball(radius, layers);
   mechanics::Body body;
   body.mesh = &mesh;
   body.element = element;

@@ -28,13 +28,16 @@ struct SphereHealing {
 
 /// The octant of a wound of `radius` with `layers` layers of cells in a ball of three times that.
 TetMesh wounded_ball(double radius, int layers);
+/// The same with cells of `thinnest` on both sides of the wall that grow by `growth` away from it:
+/// the layer in which cells invade is thinner than a uniform mesh resolves.
+TetMesh ball_with_fine_wall(double radius, double thinnest, double growth);
 std::vector<double> wound_of(const TetMesh& mesh, double radius);
 
 /// Species only, restarted every 6 days as recovery does.
 SphereHealing heal_species(const std::string& preset, double radius, int layers, double days,
                            const Context& ctx);
-/// Species and mechanics, as `recovery` couples them.
-SphereHealing heal_body(const std::string& preset, double radius, int layers, double days,
+/// Species and mechanics, as `recovery` couples them, in a mesh of a wounded ball.
+SphereHealing heal_body(const std::string& preset, const TetMesh& mesh, double radius, double days,
                         const Context& ctx, mechanics::Element element = mechanics::Element::P1P1);
 
 }  // namespace sanatrix::verification

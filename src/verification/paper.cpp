@@ -12,7 +12,8 @@ namespace sanatrix::verification {
 namespace {
 
 Findings as_the_paper_says(const Context& ctx) {
-  const SphereHealing h = heal_body("vavourakis2016", 0.022, 11, 90.0, ctx);
+  const TetMesh mesh = wounded_ball(0.022, 11);
+  const SphereHealing h = heal_body("vavourakis2016", mesh, 0.022, 90.0, ctx);
   Findings found;
   const double end = h.volume.value.back();
   const auto gained = [&](double day) {
@@ -34,7 +35,7 @@ Findings as_the_paper_says(const Context& ctx) {
   add("A5: mean cells at day 90", 0.98, 1.02, h.eta.at(90.0), "", "healthy state");
   add("A5: mean capillaries at day 90", 0.98, 1.02, h.nu.at(90.0), "", "healthy state");
   add("A5: mean oxygen at day 90", 0.98, 1.02, h.xi.at(90.0), "", "healthy state");
-  const SphereHealing inhibitor = heal_body("vavourakis2016_inhibitor", 0.022, 11, 90.0, ctx);
+  const SphereHealing inhibitor = heal_body("vavourakis2016_inhibitor", mesh, 0.022, 90.0, ctx);
   double most = 0.0;
   for (double day = 0.0; day <= 90.0; day += 0.5) {
     most = std::max(most, std::abs(h.volume.at(day) - inhibitor.volume.at(day)));
@@ -99,10 +100,12 @@ struct ClinicalPoint {
 constexpr std::array<ClinicalPoint, 4> kader{{{21, .764}, {56, .488}, {80.5, .341}, {135, .146}}};
 
 Findings clinical(const Context& ctx) {
-  // Taylor-Hood: at this strong contraction the P1/P1 cells' own share of the bulk modulus is felt.
+  // Slow cells invade in a layer of millimetres: 3 mm cells smear it and contract 0.03 too much.
+  const double radius = 0.0245;
   const SphereHealing h =
-      heal_body("clinical_kader", 0.0245, 4, 135.0, ctx, mechanics::Element::P2P1);
-  const SphereHealing fast = heal_body("clinical_kader", 0.0245, 8, 135.0, ctx);
+      heal_body("clinical_kader", ball_with_fine_wall(radius, 0.8e-3, 1.4), radius, 135.0, ctx);
+  const SphereHealing peer = heal_body("clinical_kader", ball_with_fine_wall(radius, 0.8e-3, 1.7),
+                                       radius, 135.0, ctx, mechanics::Element::P2P1);
   Findings found;
   Curve points{"Kader 2008, V0 = 61.5 cm3 assumed", {}, {}, true};
   for (const ClinicalPoint& p : kader) {
@@ -117,12 +120,11 @@ Findings clinical(const Context& ctx) {
   }
   double most = 0.0;
   for (double day = 0.0; day <= 135.0; day += 1.0) {
-    most = std::max(most, std::abs(h.volume.at(day) - fast.volume.at(day)));
+    most = std::max(most, std::abs(h.volume.at(day) - peer.volume.at(day)));
   }
-  found.checks.push_back(within("largest difference of P1/P1 from P2/P1 in V/V0", 0.0, 0.07, most,
-                                "",
-                                "known bias of P1/P1 below V/V0 = 0.5: its cells' own share of "
-                                "the bulk modulus grows as 1/J (ADR 3)"));
+  found.checks.push_back(within("largest difference of P2/P1 on half the vertices in V/V0", 0.0,
+                                0.03, most, "",
+                                "what the coarser mesh smears the layer of invading cells by"));
   // Not used in the calibration, and not met: shown as what it is.
   Curve jeon{"Jeon 2017, from day 23 (not fitted)", {}, {}, true};
   const double v23 = h.volume.at(23.1);
@@ -136,8 +138,8 @@ Findings clinical(const Context& ctx) {
   found.plots.push_back({"Cavity after breast-conserving surgery",
                          "day",
                          "V / V0",
-                         {{"preset clinical_kader, P2/P1", h.volume.day, h.volume.value},
-                          {"preset clinical_kader, P1/P1", fast.volume.day, fast.volume.value},
+                         {{"preset clinical_kader, P1/P1", h.volume.day, h.volume.value},
+                          {"preset clinical_kader, P2/P1", peer.volume.day, peer.volume.value},
                           points,
                           jeon}});
   return found;

@@ -70,8 +70,8 @@ Findings species_history(const ReferenceHistory& reference, const Context& ctx) 
 }
 
 Findings volume_history(const ReferenceHistory& reference, const Context& ctx) {
-  const SphereHealing ours =
-      heal_body(reference.preset, reference.radius, fine_layers(reference), 90.0, ctx);
+  const TetMesh mesh = wounded_ball(reference.radius, fine_layers(reference));
+  const SphereHealing ours = heal_body(reference.preset, mesh, reference.radius, 90.0, ctx);
   Findings found;
   found.checks.push_back(
       within("largest difference of V/V0", 0.0, 0.003,
