@@ -1,6 +1,7 @@
 #include "verification/healing_sphere.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <ranges>
 
@@ -33,6 +34,25 @@ std::size_t centre_of(const TetMesh& mesh) {
   return static_cast<std::size_t>(
       std::ranges::min_element(mesh.points, {}, [](const Vec3& p) { return norm(p); }) -
       mesh.points.begin());
+}
+
+/// On the edge of the octant, from the centre to the wall.
+RadialProfile cells_along_axis(const TetMesh& mesh, double radius, std::span<const double> species,
+                               const healing::Model& model) {
+  const std::size_t n = model.species().size();
+  std::map<double, double> along;
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    const Vec3& p = mesh.points[v];
+    if (std::hypot(p[1], p[2]) < 1e-9 && p[0] < radius * (1.0 + 1e-9)) {
+      along[p[0]] = model.cells(species.subspan(v * n, n));
+    }
+  }
+  RadialProfile profile;
+  for (const auto& [r, density] : along) {
+    profile.radius.push_back(r);
+    profile.density.push_back(density);
+  }
+  return profile;
 }
 
 }  // namespace
@@ -119,7 +139,7 @@ SphereHealing heal_body(const std::string& preset, const TetMesh& mesh, double r
   body.mesh = &mesh;
   body.element = element;
   body.fixed = symmetry_supports(mesh);
-  body.tissue.assign(mesh.cells.size(), {112.5, 112.5, 5e5, 1000.0, 1.0, 0.0});
+  body.tissue.assign(mesh.cells.size(), healthy_tissue);
   const auto model = healing::make_model(preset);
   recovery::Problem problem;
   problem.body = &body;
@@ -135,6 +155,7 @@ SphereHealing heal_body(const std::string& preset, const TetMesh& mesh, double r
   const auto observe = [&](double day, std::span<const double> species, const mechanics::Shape&) {
     h.centre_nu.day.push_back(day);
     h.centre_nu.value.push_back(species[nu]);
+    h.cells[day] = cells_along_axis(mesh, radius, species, *model);
   };
   const recovery::Result result = recovery::heal(
       problem, {}, [](const recovery::Checkpoint&) {}, observe, ctx);

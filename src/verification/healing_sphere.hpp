@@ -2,6 +2,7 @@
 // the clinical curves.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "geometry/tet_mesh.hpp"
 #include "healing/reaction_diffusion.hpp"
 #include "mechanics/problem.hpp"
+#include "verification/radial_wound.hpp"
 
 namespace sanatrix::verification {
 
@@ -20,11 +22,15 @@ struct History {
 };
 
 struct SphereHealing {
-  History eta, nu, xi;  ///< means over the wound
-  History centre_nu;    ///< at the centre
-  History zeta_far;     ///< regulator far away
-  History volume;       ///< V/V0; empty when mechanics did not run
+  History eta, nu, xi;                    ///< means over the wound
+  History centre_nu;                      ///< at the centre
+  History zeta_far;                       ///< regulator far away
+  History volume;                         ///< V/V0; empty when mechanics did not run
+  std::map<double, RadialProfile> cells;  ///< at every mechanics step, by day
 };
+
+/// Around the wound.
+inline constexpr mechanics::Tissue healthy_tissue{112.5, 112.5, 5e5, 1000.0, 1.0, 0.0};
 
 /// The octant of a wound of `radius` with `layers` layers of cells in a ball of three times that.
 TetMesh wounded_ball(double radius, int layers);

@@ -118,6 +118,13 @@ Findings clinical(const Context& ctx) {
     points.y.push_back(p.volume);
     points.error_bar.push_back(tolerance);
   }
+  const auto wound = healing::make_model("clinical_kader")->mechanics();
+  for (const double day : {30.0, 60.0, 90.0, 135.0}) {
+    found.checks.push_back(near(
+        fmt::format("V/V0 of the radial solution, same cells, day {}", day),
+        radial_volume_ratio(h.cells.at(day), 3.0 * radius, wound, healthy_tissue), h.volume.at(day),
+        0.015, "", "P1/P1 cells of 6 to 12 mm in the middle at V/V0 = 0.14"));
+  }
   double most = 0.0;
   for (double day = 0.0; day <= 135.0; day += 1.0) {
     most = std::max(most, std::abs(h.volume.at(day) - peer.volume.at(day)));
