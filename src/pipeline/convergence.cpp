@@ -135,7 +135,9 @@ ErrorBar richardson(std::span<const double> edges, std::span<const double> value
   const double observed = fine == 0.0 ? 0.0 : coarse / fine;
   double low = 1.0;
   double high = 2.0;
-  const bool settles = observed >= difference_ratio(low, h) || (fine == 0.0 && coarse == 0.0);
+  const double round_off = 1e-9;
+  const bool settles =
+      observed >= (1.0 - round_off) * difference_ratio(low, h) || (fine == 0.0 && coarse == 0.0);
   if (settles) {
     for (int halving = 0; halving < 50; ++halving) {
       const double middle = 0.5 * (low + high);
