@@ -28,12 +28,15 @@ build: configure
 test: build
 	@OMP_NUM_THREADS=1 ctest --test-dir $(BUILD) --output-on-failure --no-tests=error -j $(JOBS)
 
-## bench: kernels and whole stages
-bench: configure
+## bench: kernels, a patient's stages by mesh size (BENCH_SIZES, thousands), solves beside peers
+BENCH_SIZES ?= 5,10
+bench: build
 	@for source in bench/*_bench.cpp; do \
 	  name=$$(basename $$source .cpp); \
 	  cmake --build $(BUILD) -j $(JOBS) --target $$name && $(BUILD)/bench/$$name; \
 	done
+	@bench/stages.py --binary $(SANATRIX) --sizes $(BENCH_SIZES)
+	@bench/peers.py --binary $(SANATRIX)
 
 configure: packages
 	@cmake --preset release > /dev/null

@@ -1,74 +1,32 @@
 #!/usr/bin/python3
-"""Whole solves of a hemisphere under gravity, by mesh size and element, beside CalculiX.
+"""Whole solves of a hemisphere under gravity, by mesh and element, beside CalculiX, in one run.
 
-    bench/peers.py [--binary SANATRIX] [--sizes 5,10,50,150] [--calculix 0.7] [--upright]
+    bench/peers.py [--binary SANATRIX] [--pose prone|upright|both] [--sizes 2,3,50] [--calculix 0.7]
 
 Every row is one process: user seconds, wall seconds, peak memory, Newton and Krylov counts, and the
-error of the mean displacement against P2/P1 on the finest mesh that it is affordable on. Sizes are
-thousands of vertices of uniform meshes made here by Gmsh. A reference kernel (a fixed
-piece of work of the same program) is timed in the same run, so that rows of different days and
-machines can be compared by their ratio to it.
+error of the mean displacement over the volume against P2/P1. Sizes are thousands of vertices of
+uniform meshes made here by Gmsh. With the recorded meshes (SANATRIX_SHARED/bench) P1/P1 and P2/P1
+also solve the very tetrahedra that other programs were recorded with. Their seconds are brought to
+the machine and load of this run by a reference kernel: CalculiX on the small recorded mesh, whose
+seconds were recorded too.
 """
 import argparse
 import json
 import os
 import pathlib
 import shutil
-import subprocess
 import tempfile
-import time
 
-RADIUS_M = 0.065
-GEOMETRY = """SetFactory("OpenCASCADE");
-Sphere(1) = {0, 0, 0, %g, 0, Pi/2, 2*Pi};
-Physical Volume("breast") = {1};
-Physical Surface("skin") = {1};
-Physical Surface("base") = {2};
-"""
-TISSUE = {"law": "mooney_rivlin", "c1": 150, "c2": 100, "kappa": 2.5e5, "density": 1000}
-# Edge length that gives a thousand vertices, found by trial; the count grows with its inverse cube.
-EDGE_OF_1000_M = 0.0079
-# User seconds on the quiet two-core machine of the recorded runs (shared/bench/README.md), the
-# mesh of 4.6 k vertices: prone, upright.
-RECORDED = [("FEBio 4, tet10 three-field, 22 k cells", 93, 584),
-            ("FEBio 4, tet10 displacement, 22 k cells", 70, 182),
-            ("CalculiX 2.20, C3D10, 22 k cells", 721, None),
-            ("FEniCSx 0.5, P2/P1, 22 k cells", 194, 432)]
+from runs import make_mesh, run, write_problem
 
-
-def run(words, folder, threads):
-    """One process: (user s, wall s, peak MB)."""
-    env = {**os.environ, "OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": "1"}
-    start = time.monotonic()
-    child = subprocess.Popen(words, cwd=folder, env=env, stdout=subprocess.DEVNULL,
-                             stderr=subprocess.PIPE)
-    error = child.stderr.read()
-    _, status, used = os.wait4(child.pid, 0)
-    child.returncode = os.waitstatus_to_exitcode(status)
-    if child.returncode != 0:
-        raise SystemExit(f"{' '.join(map(str, words))}: exit code {child.returncode}\n"
-                         f"{error.decode(errors='replace')[-500:]}")
-    return used.ru_utime, time.monotonic() - start, used.ru_maxrss / 1024
-
-
-def make_mesh(thousands, folder):
-    mesh = folder / f"hemisphere-{thousands:g}k.msh"
-    if not mesh.exists():
-        edge = EDGE_OF_1000_M * thousands ** (-1 / 3)
-        geometry = folder / "hemisphere.geo"
-        geometry.write_text(GEOMETRY % RADIUS_M)
-        run(["gmsh", "-3", geometry, "-clmin", f"{edge}", "-clmax", f"{edge}", "-optimize",
-             "-format", "msh22", "-o", mesh], folder, 1)
-    return mesh
-
-
-def write_problem(mesh, element, upright, folder):
-    gravity = [0, -9.81, 0] if upright else [0, 0, 9.81]
-    problem = folder / f"{mesh.stem}-{element}.json"
-    problem.write_text(json.dumps(
-        {"mesh": mesh.name, "unit": "m", "element": element, "mode": "forward", "gravity": gravity,
-         "regions": {"breast": TISSUE}, "fixed": {"base": "xyz"}}))
-    return problem
+POSES = ["prone", "upright"]
+ALLOWED = {"prone": 0.02, "upright": 0.04}  # error that still counts as the answer
+# User seconds recorded on the mesh of 4.6 k vertices (shared/bench/README.md).
+RECORDED = {"FEBio 4, tet10 three-field": {"prone": 93, "upright": 584},
+            "FEBio 4, tet10 displacement": {"prone": 70, "upright": 182},
+            "FEniCSx 0.5, P2/P1": {"prone": 194, "upright": 432},
+            "CalculiX 2.20, C3D10": {"prone": 721}}
+KERNEL_S = {"prone": 8.4, "upright": 31}  # recorded: CalculiX C3D10, mesh of 0.7 k vertices
 
 
 def solve(binary, mesh, element, upright, folder):
@@ -112,65 +70,87 @@ def calculix(binary, mesh, upright, folder):
             "krylov": None, "mean": volume_mean(model, moves)}
 
 
-def print_table(rows, reference, kernel_s):
-    print("| system | vertices | user s | wall s | MB | Newton | Krylov | mean mm | error | kernels |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+def print_table(rows, reference):
+    print("| system | vertices | user s | wall s | MB | Newton | Krylov | mean mm | error |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for row in sorted(rows, key=lambda r: (r["name"], r["vertices"])):
         user, wall, memory = row["used"]
         error = row["mean"] / reference - 1
-        print(f"| {row['name']} | {row['vertices']} | {user:.1f} | {wall:.1f} | {memory:.0f} "
+        print(f"| {row['name']} | {row['vertices']:,} | {user:.1f} | {wall:.1f} | {memory:.0f} "
               f"| {row['newton'] or ''} | {row['krylov'] or ''} | {row['mean']:.3f} "
-              f"| {100 * error:+.1f} % | {user / kernel_s:.1f} |")
+              f"| {100 * error:+.1f} % |")
 
 
-def print_time_to_accuracy(rows, reference, allowed=0.02):
+def print_time_to_accuracy(rows, reference, allowed):
     for name in sorted({row["name"] for row in rows}):
         good = [row for row in rows if row["name"] == name
                 and abs(row["mean"] / reference - 1) <= allowed]
         best = min(good, key=lambda r: r["used"][0], default=None)
-        said = (f"{best['used'][0]:.1f} user s ({best['vertices']} vertices)" if best
+        said = (f"{best['used'][0]:.2f} user s ({best['vertices']:,} vertices)" if best
                 else "not reached")
         print(f"time to {100 * allowed:.0f} % error of the mean displacement, {name}: {said}")
+
+
+def print_recorded(pose, same_tets, kernel):
+    """Recorded peers, slowed down as much as the reference kernel was, against our rows."""
+    slow = kernel["used"][0] / KERNEL_S[pose]
+    print(f"reference kernel (CalculiX, 0.7 k vertices): {kernel['used'][0]:.1f} user s, recorded "
+          f"{KERNEL_S[pose]} s: this run is {slow:.2f} times slower")
+    print("| recorded, same tetrahedra | recorded s | on this run's terms | / P1/P1 | / P2/P1 |")
+    print("| --- | --- | --- | --- | --- |")
+    for name, seconds in RECORDED.items():
+        if pose in seconds:
+            here = slow * seconds[pose]
+            ratios = " | ".join(f"{here / row['used'][0]:.0f}" if here > 100 * row["used"][0]
+                                else f"{here / row['used'][0]:.1f}" for row in same_tets)
+            print(f"| {name} | {seconds[pose]} | {here:.0f} | {ratios} |")
+
+
+def measure(binary, pose, wanted, recorded, folder):
+    upright = pose == "upright"
+    has_peer = shutil.which("ccx") is not None
+    same_tets = []
+    if recorded:
+        same_tets = [solve(binary, recorded / "hemi5k_v22.msh", element, upright, folder)
+                     for element in ("p1p1", "p2p1")]
+    rows = [solve(binary, make_mesh(k, folder), "p1p1", upright, folder) for k in wanted["sizes"]]
+    rows += [solve(binary, make_mesh(k, folder), "p2p1", upright, folder)
+             for k in wanted["taylor_hood"]]
+    kernel = (calculix(binary, recorded / "hemiC_v22.msh", upright, folder)
+              if recorded and has_peer else None)
+    peers = ([calculix(binary, make_mesh(k, folder), upright, folder)
+              for k in wanted["calculix"]] if has_peer else [])
+    reference = max((r for r in same_tets + rows if r["name"].endswith("p2p1")),
+                    key=lambda r: r["vertices"], default=(same_tets + rows)[-1])["mean"]
+    rows += same_tets + peers + ([kernel] if kernel else [])
+    print(f"\n## {pose}\n", flush=True)
+    print_table(rows, reference)
+    print_time_to_accuracy(rows, reference, ALLOWED[pose])
+    if kernel:
+        print_recorded(pose, same_tets, kernel)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--binary", default="build/release/apps/sanatrix/sanatrix")
-    parser.add_argument("--sizes", default="5,10,50", help="thousands of vertices, P1/P1")
-    parser.add_argument("--taylor-hood", default="0.7,5", help="thousands of vertices, P2/P1")
-    parser.add_argument("--calculix", default="0.7", help="thousands of vertices, C3D10")
-    parser.add_argument("--upright", action="store_true", help="gravity along the base")
-    wanted = parser.parse_args()
-    if shutil.which("gmsh") is None:
-        raise SystemExit("bench/peers.py: gmsh is not installed (apt install gmsh)")
-    binary = pathlib.Path(wanted.binary).resolve()
-
-    def sizes(text):
-        return [float(s) for s in text.split(",") if s]
-
+    parser.add_argument("--pose", choices=[*POSES, "both"], default="both")
+    parser.add_argument("--sizes", default="2,3", help="thousands of vertices, P1/P1")
+    parser.add_argument("--taylor-hood", default="0.7", help="thousands of vertices, P2/P1")
+    parser.add_argument("--calculix", default="", help="thousands of vertices, C3D10")
+    given = parser.parse_args()
+    binary = pathlib.Path(given.binary).resolve()
+    wanted = {key: [float(s) for s in getattr(given, key).split(",") if s]
+              for key in ("sizes", "taylor_hood", "calculix")}
+    shared = pathlib.Path(os.environ.get("SANATRIX_SHARED", "../shared")).resolve() / "bench"
+    if not shared.exists():
+        print("the recorded meshes are not there (SANATRIX_SHARED): no comparison on them")
+    if shutil.which("ccx") is None:
+        print("CalculiX is left out: not installed (apt install calculix-ccx)")
     with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        kernel_s = solve(binary, make_mesh(2, folder), "p1p1", False, folder)["used"][0]
-        rows = [solve(binary, make_mesh(k, folder), "p1p1", wanted.upright, folder)
-                for k in sizes(wanted.sizes)]
-        rows += [solve(binary, make_mesh(k, folder), "p2p1", wanted.upright, folder)
-                 for k in sizes(wanted.taylor_hood)]
-        reference = max((r for r in rows if r["name"].endswith("p2p1")),
-                        key=lambda r: r["vertices"], default=rows[-1])["mean"]
-        if shutil.which("ccx"):
-            rows += [calculix(binary, make_mesh(k, folder), wanted.upright, folder)
-                     for k in sizes(wanted.calculix)]
-        else:
-            print("CalculiX is left out: not installed (apt install calculix-ccx)")
-    print(f"reference kernel (P1/P1, 2 k vertices, prone, one process): {kernel_s:.2f} user s")
-    print_table(rows, reference, kernel_s)
-    print_time_to_accuracy(rows, reference)
-    print("recorded elsewhere, not in this run, user s:")
-    for name, prone, upright in RECORDED:
-        shown = upright if wanted.upright else prone
-        if shown is not None:
-            print(f"  {name}: {shown}")
+        for pose in POSES if given.pose == "both" else [given.pose]:
+            measure(binary, pose, wanted, shared if shared.exists() else None,
+                    pathlib.Path(name))
 
 
 if __name__ == "__main__":

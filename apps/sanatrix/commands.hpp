@@ -44,6 +44,7 @@ void add_params(CLI::App& app, Common& common, Command& chosen);
 void add_serve(CLI::App& app, Common& common, Command& chosen);
 void add_score(CLI::App& app, Common& common, Command& chosen);
 void add_export(CLI::App& app, Common& common, Command& chosen);
+void add_converge(CLI::App& app, Common& common, Command& chosen);
 void add_sweep(CLI::App& app, Common& common, Command& chosen);
 void add_verify(CLI::App& app, Common& common, Command& chosen);
 void add_version(CLI::App& app, Common& common, Command& chosen);

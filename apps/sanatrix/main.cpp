@@ -68,9 +68,9 @@ int run(int argc, char** argv) {
   Common common;
   common.arguments.assign(argv + 1, argv + argc);
   Command chosen;
-  for (const auto add :
-       {add_phantom, add_inspect, add_new, add_run, add_status, add_report, add_compare, add_serve,
-        add_solve, add_export, add_sweep, add_verify, add_params, add_score, add_version}) {
+  for (const auto add : {add_phantom, add_inspect, add_new, add_run, add_status, add_report,
+                         add_compare, add_serve, add_solve, add_export, add_sweep, add_converge,
+                         add_verify, add_params, add_score, add_version}) {
     add(app, common, chosen);
   }
   try {

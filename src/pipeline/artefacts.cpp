@@ -177,6 +177,20 @@ std::span<const Vec3> vertices(const TetMesh& mesh, const mechanics::Shape& shap
   return std::span(shape.nodes).first(mesh.points.size());
 }
 
+double mean_move_mm(const TetMesh& mesh, std::span<const Vec3> from, std::span<const Vec3> to) {
+  const std::vector<double> volumes = cell_volumes(mesh, from);
+  Vec3 sum{};
+  double total = 0.0;
+  for (std::size_t c = 0; c < volumes.size(); ++c) {
+    total += volumes[c];
+    for (const int vertex : mesh.cells[c]) {
+      const auto v = static_cast<std::size_t>(vertex);
+      sum += 0.25 * volumes[c] * (to[v] - from[v]);
+    }
+  }
+  return 1e3 * norm(sum) / total;
+}
+
 io::Field displacement_mm(std::span<const Vec3> from, std::span<const Vec3> to) {
   std::vector<Vec3> moved;
   moved.reserve(from.size());

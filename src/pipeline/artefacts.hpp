@@ -39,6 +39,9 @@ void write_pose(const meshing::BreastModel& model, std::span<const Vec3> pose,
 /// The model's skin in one pose; point fields are given per mesh vertex.
 void write_skin(const TetMesh& mesh, std::span<const Vec3> pose, const io::Fields& vertex_fields,
                 const std::filesystem::path& file);
+/// Length of the mean displacement over the volume of the first pose: the one number of a pose that
+/// does not depend on where the mesh is fine [mm].
+double mean_move_mm(const TetMesh& mesh, std::span<const Vec3> from, std::span<const Vec3> to);
 /// Lengths in mm, as displacement fields of artefacts have them.
 io::Field displacement_mm(std::span<const Vec3> from, std::span<const Vec3> to);
 

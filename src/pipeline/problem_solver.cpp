@@ -225,6 +225,19 @@ Vec3 volume_mean_mm(const SolveProblem& p, std::span<const Vec3> moved) {
   return mean;
 }
 
+/// How the mesh lies on the ranks: what a model of the cost of more ranks is made from.
+json distribution_json(const SolveProblem& p) {
+  double own = 0.0;
+  for (std::size_t v = 0; v < p.mesh.points.size(); ++v) {
+    own += counts_vertex(p, v) ? 1.0 : 0.0;
+  }
+  const double ghosts = static_cast<double>(p.mesh.points.size()) - own;
+  return {{"ranks", fem::ranks()},
+          {"most_own_vertices", fem::largest(own)},
+          {"most_ghost_vertices", fem::largest(ghosts)},
+          {"mean_ghost_vertices", fem::sum(ghosts) / fem::ranks()}};
+}
+
 json result_json(const SolveProblem& p, const Solution& s) {
   const std::vector<Vec3> moved = displacements(p, s);
   const double count = p.share == nullptr ? static_cast<double>(moved.size())
@@ -260,6 +273,9 @@ json result_json(const SolveProblem& p, const Solution& s) {
          {"mesh",
           {{"vertices", p.share ? p.share->whole_vertices() : static_cast<int>(moved.size())},
            {"cells", p.share ? p.share->whole_cells() : static_cast<int>(p.mesh.cells.size())}}}};
+  if (p.share) {
+    j["distribution"] = distribution_json(p);
+  }
   if (s.recovery) {
     j["wound_volume_ratio_final"] = s.recovery->history.back().volume_ratio;
   }

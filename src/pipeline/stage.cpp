@@ -39,7 +39,7 @@ const std::array<StageInfo, 9>& all_stages() {
        "90-outcome",
        "I-J",
        "outcome",
-       3,
+       4,
        {Segment, Mesh, Unload, Supine, Surgery, Heal, Upright},
        {"outcome."},
        false},

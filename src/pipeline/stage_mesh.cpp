@@ -13,6 +13,8 @@ struct MeshPreset {
 };
 constexpr MeshPreset standard_mesh{10000, 0.003}, paper_mesh{5000, 0.004};
 
+}  // namespace
+
 meshing::MeshOptions mesh_options(const Parameters& p) {
   const MeshPreset& preset = p.text("mesh.preset") == "paper" ? paper_mesh : standard_mesh;
   meshing::MeshOptions options;
@@ -25,8 +27,6 @@ meshing::MeshOptions mesh_options(const Parameters& p) {
   options.time_limit_s = p.number("mesh.time_limit_s");
   return options;
 }
-
-}  // namespace
 
 StageNotes run_mesh(const StageInput& in) {
   const imaging::Segmentation labels = load_segmentation(in.from(Stage::Segment));

@@ -1,6 +1,7 @@
 // What the surgeon reads: outcome.json, the tissue table, the figures' data and pictures.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -105,6 +106,21 @@ json discretisation_error(const CaseResult& result, const outcome::SkinDisplacem
            "shape, without the errors of images, labels and tissue"}};
 }
 
+/// When half of the final change of the wound's volume has happened; 0 when nothing changes.
+double half_contraction_day(const std::vector<recovery::HistoryRow>& history) {
+  const double half = 0.5 * (1.0 + history.back().volume_ratio);
+  const bool shrinks = history.back().volume_ratio < 1.0;
+  for (std::size_t i = 1; i < history.size(); ++i) {
+    const double before = history[i - 1].volume_ratio;
+    const double now = history[i].volume_ratio;
+    if (before != now && (shrinks ? now <= half : now >= half)) {
+      return std::lerp(history[i - 1].species.t_day, history[i].species.t_day,
+                       (half - before) / (now - before));
+    }
+  }
+  return 0.0;
+}
+
 double min_jacobian(const CaseResult& r) {
   return std::min({r.unloaded.min_jacobian, r.supine.min_jacobian, r.healed.min_jacobian,
                    r.before.min_jacobian, r.after.min_jacobian});
@@ -129,6 +145,7 @@ json outcome_json(const Case& patient, const CaseResult& result, const Volumes& 
          {"resection_to_skin_mm", 1e3 * result.wound.min_skin_distance_m},
          {"resection_to_chest_mm", 1e3 * result.wound.min_chest_distance_m},
          {"wound_volume_ratio_final", result.history.back().volume_ratio},
+         {"wound_half_contraction_day", half_contraction_day(result.history)},
          {"max_displacement_upright_mm", moved.max_mm},
          {"mean_displacement_upright_mm", moved.mean_mm},
          {"discretisation_error", discretisation_error(result, moved)},

@@ -6,7 +6,7 @@
 namespace sanatrix::pipeline {
 namespace {
 
-StageNotes notes_of(const mechanics::SolveReport& report) {
+StageNotes notes_of(const mechanics::SolveReport& report, double moved_mm) {
   StageNotes notes;
   notes.numbers = {{"newton_iterations", report.newton_iterations},
                    {"krylov_iterations", report.krylov_iterations},
@@ -15,7 +15,8 @@ StageNotes notes_of(const mechanics::SolveReport& report) {
                    {"last_residual", report.last_residual},
                    {"min_jacobian", report.min_jacobian},
                    {"seconds_assembly", report.seconds_assembly},
-                   {"seconds_linear", report.seconds_linear}};
+                   {"seconds_linear", report.seconds_linear},
+                   {"mean_move_mm", moved_mm}};
   return notes;
 }
 
@@ -32,7 +33,8 @@ StageNotes run_unload(const StageInput& in) {
     write_pose(model, vertices(model.mesh, unloaded), model.mesh.points, in.out / "unloaded.vtu");
     write_skin(model.mesh, vertices(model.mesh, unloaded), {}, in.out / "unloaded_skin.vtp");
   }
-  return notes_of(solver.last_report());
+  return notes_of(solver.last_report(),
+                  mean_move_mm(model.mesh, model.mesh.points, vertices(model.mesh, unloaded)));
 }
 
 StageNotes run_supine(const StageInput& in) {
@@ -47,7 +49,8 @@ StageNotes run_supine(const StageInput& in) {
                in.out / "supine.vtu");
     write_skin(model.mesh, vertices(model.mesh, supine), {}, in.out / "supine_skin.vtp");
   }
-  return notes_of(solver.last_report());
+  return notes_of(solver.last_report(), mean_move_mm(model.mesh, vertices(model.mesh, unloaded),
+                                                     vertices(model.mesh, supine)));
 }
 
 }  // namespace sanatrix::pipeline

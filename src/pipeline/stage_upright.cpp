@@ -48,6 +48,11 @@ void write_after(const StageInput& in, const meshing::BreastModel& model, const 
   write_skin(model.mesh, pose, moved, in.out / "upright_after_skin.vtp");
 }
 
+void add_counts(StageNotes& notes, const std::string& pose, const mechanics::SolveReport& report) {
+  notes.numbers.emplace_back("newton_iterations_" + pose, report.newton_iterations);
+  notes.numbers.emplace_back("krylov_iterations_" + pose, report.krylov_iterations);
+}
+
 }  // namespace
 
 std::string upright_before_key(const Case& patient) {
@@ -70,9 +75,12 @@ StageNotes run_upright(const StageInput& in) {
     const Context part = in.ctx.part(0.0, 0.6);
     before = {solver.forward(unloaded.nodes, gravity_upright, nullptr, part),
               solver.last_report().min_jacobian};
-    notes.numbers.emplace_back("newton_iterations_before", solver.last_report().newton_iterations);
+    add_counts(notes, "before", solver.last_report());
   }
   notes.numbers.emplace_back("min_jacobian_before", before->min_jacobian);
+  notes.numbers.emplace_back("mean_move_mm",
+                             mean_move_mm(model.mesh, vertices(model.mesh, unloaded),
+                                          vertices(model.mesh, before->shape)));
   if (in.writes) {
     write_before(in, model, *before, vertices(model.mesh, unloaded));
   }
@@ -86,7 +94,7 @@ StageNotes run_upright(const StageInput& in) {
   if (in.writes) {
     write_after(in, model, after, *before);
   }
-  notes.numbers.emplace_back("newton_iterations_after", solver.last_report().newton_iterations);
+  add_counts(notes, "after", solver.last_report());
   notes.numbers.emplace_back("min_jacobian_after", after.min_jacobian);
   return notes;
 }

@@ -2,6 +2,7 @@
 // nothing else about them.
 #pragma once
 
+#include "meshing/breast_mesh.hpp"
 #include "pipeline/runner.hpp"
 
 namespace sanatrix::pipeline {
@@ -9,6 +10,9 @@ namespace sanatrix::pipeline {
 /// Fingerprint of all that the upright pose before surgery depends on; the plan does not belong to
 /// it.
 std::string upright_before_key(const Case& patient);
+
+/// What the parameters ask of the mesher; the focus is not among it.
+meshing::MeshOptions mesh_options(const Parameters& parameters);
 
 StageNotes run_image(const StageInput& in);
 StageNotes run_segment(const StageInput& in);

@@ -279,10 +279,7 @@ void read_into(const JsonObject& root, Sweep& sweep) {
   std::set<std::string> known;
   for (const fs::path& plan : plans) {
     for (const Settings& settings : samples) {
-      SweepTask task{"", plan, settings};
-      during(describe(task), [&] {
-        task.key = recipe(varied(base, task), Stage::Outcome).fingerprint().substr(0, 32);
-      });
+      SweepTask task = make_task(base, plan, settings);
       if (known.insert(task.key).second) {
         sweep.tasks.push_back(std::move(task));
       }
@@ -291,6 +288,14 @@ void read_into(const JsonObject& root, Sweep& sweep) {
 }
 
 }  // namespace
+
+SweepTask make_task(const Case& base, fs::path plan, Settings settings) {
+  SweepTask task{"", std::move(plan), std::move(settings)};
+  during(describe(task), [&] {
+    task.key = recipe(varied(base, task), Stage::Outcome).fingerprint().substr(0, 32);
+  });
+  return task;
+}
 
 fs::path Sweep::result_file(const SweepTask& task) const {
   return out / "results" / (task.key + ".json");

@@ -31,6 +31,11 @@ struct Sweep {
   [[nodiscard]] bool done(const SweepTask& task) const;
 };
 
+/// A task made in the program. The plan may be empty: the case's own. Error{Input, Usage} for
+/// settings that the case cannot have.
+SweepTask make_task(const Case& base, std::filesystem::path plan,
+                    std::map<std::string, std::string> settings);
+
 /// docs/user/sweep.md. Strict; relative paths are relative to the file. `out` empty: beside the
 /// file, named after it.
 Sweep read_sweep(const std::filesystem::path& file, const std::filesystem::path& out);
