@@ -90,14 +90,27 @@ double asymmetry(const FrontMap& front, const Vec3& a, const Vec3& b) {
   return count > 50 ? sum / count : 1e3;
 }
 
-/// Moment [mm] of the rise about the tip along n.
-double leaning(const ColumnMap& prominence, const Peak& peak, double nx, double nz) {
-  double moment = 0, total = 0;
-  around(prominence, peak.i, peak.k, breast_radius_mm, [&](int a, int b, double dx, double dz) {
-    moment += prominence.at(a, b) * (dx * nx + dz * nz);
-    total += prominence.at(a, b);
-  });
-  return moment / total;
+/// How fast the skin falls back at the steepest place on one side of a tip, mean over the breast's
+/// width; n points to that side.
+double steepness(const ColumnMap& skin_y, const Peak& peak, double nx, double nz) {
+  constexpr double half_width_mm = 30.0, from_mm = 15.0, to_mm = 95.0, window_mm = 10.0;
+  constexpr double cliff = 3.0;  // an overhang is no steeper than this
+  const Vec3 tip = place(skin_y, peak.i, peak.k);
+  const auto y_at = [&](double along, double across) {
+    return skin_y.value[skin_y.nearest(tip[0] + along * nx + across * nz,
+                                       tip[2] + along * nz - across * nx)];
+  };
+  double sum = 0, count = 0;
+  for (double across = -half_width_mm; across <= half_width_mm; across += skin_y.spacing_mm) {
+    double steepest = 0;
+    for (double along = from_mm; along <= to_mm; along += skin_y.spacing_mm) {
+      const double fall = (y_at(along + window_mm, across) - y_at(along, across)) / window_mm;
+      steepest = std::max(steepest, std::min(fall, cliff));
+    }
+    sum += steepest;
+    count += 1;
+  }
+  return sum / count;
 }
 
 }  // namespace
@@ -123,10 +136,11 @@ std::optional<BreastPair> find_pair(const FrontMap& front, const ColumnMap& prom
           small * small / large * std::exp(-asymmetry(front, a, b) / mirror_scale_mm);
       if (!best || score > best->score) {
         const double nx = -(b[2] - a[2]) / apart, nz = (b[0] - a[0]) / apart;
-        best =
-            BreastPair{{a, b},
-                       score,
-                       leaning(prominence, two[0], nx, nz) + leaning(prominence, two[1], nx, nz)};
+        best = BreastPair{
+            {a, b},
+            score,
+            steepness(front.skin_y, two[0], -nx, -nz) + steepness(front.skin_y, two[1], -nx, -nz) -
+                steepness(front.skin_y, two[0], nx, nz) - steepness(front.skin_y, two[1], nx, nz)};
       }
     }
   }

@@ -188,8 +188,8 @@ Mat3 marked_rotation(const ScanLandmarks& marks) {
 
 }  // namespace
 
-ScanFrame find_frame(const TriMesh& scan, const ScanLandmarks& marks) {
-  const TriMesh coarse = outcome::coarsened(scan, search_edge_m);
+ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
+  const TriMesh coarse = outcome::coarsened(scan.mesh, search_edge_m);
   ScanFrame frame;
   const bool marked = marks.nipple[0] && marks.nipple[1] && marks.sternal_notch;
   Found found;
