@@ -12,12 +12,13 @@ constexpr double least_rise_mm = 12.0;  ///< in front of the rolling ball
 constexpr double peak_radius_mm = 40.0, breast_radius_mm = 70.0;
 /// Distance of the nipples of adults: 16 to 30 cm, with room for large and for ptotic breasts.
 constexpr double nearest_mm = 110.0, farthest_mm = 330.0;
+constexpr double usual_mm = 200.0, usual_spread_mm = 60.0;  ///< arms lie farther apart
 constexpr double mirror_reach_mm = 160.0;  ///< how far from the middle symmetry is looked at
 constexpr double mirror_scale_mm = 12.0;   ///< asymmetry of real trunks
 
 struct Peak {
   int i, k;
-  double volume;  ///< [cm3] of the rise around it
+  double volume;  ///< [cm3] of the rise around it, less where little is seen
 };
 
 Vec3 place(const ColumnMap& map, int i, int k) {
@@ -49,15 +50,21 @@ std::vector<Peak> find_peaks(const FrontMap& front, const ColumnMap& prominence)
       }
       Peak peak{i, k, 0.0};
       bool highest = true;
+      double seen = 0, all = 0;
       around(prominence, i, k, breast_radius_mm, [&](int a, int b, double dx, double dz) {
         const double there = prominence.at(a, b);
         const bool before = b < k || (b == k && a < i);  // one of equals
         const bool near = dx * dx + dz * dz < peak_radius_mm * peak_radius_mm;
         highest = highest && !(near && (there > here || (there == here && before)));
-        peak.volume += front.seen[prominence.index(a, b)] ? there : 0.0;
+        const double is_seen = front.seen[prominence.index(a, b)] ? 1.0 : 0.0;
+        peak.volume += is_seen * there;
+        seen += is_seen;
+        all += 1;
       });
       if (highest) {
-        peak.volume *= prominence.spacing_mm * prominence.spacing_mm * 1e-3;
+        // An arm has nothing beside it, a breast has the trunk.
+        const double share = seen / all;
+        peak.volume *= share * share * prominence.spacing_mm * prominence.spacing_mm * 1e-3;
         peaks.push_back(peak);
       }
     }
@@ -130,10 +137,12 @@ std::optional<BreastPair> find_pair(const FrontMap& front, const ColumnMap& prom
       if (apart < nearest_mm || apart > farthest_mm) {
         continue;
       }
+      const double unusual = (apart - usual_mm) / usual_spread_mm;
       const double small = std::min(two[0].volume, two[1].volume);
       const double large = std::max(two[0].volume, two[1].volume);
       const double score =
-          small * small / large * std::exp(-asymmetry(front, a, b) / mirror_scale_mm);
+          small * small / large *
+          std::exp(-asymmetry(front, a, b) / mirror_scale_mm - 0.5 * unusual * unusual);
       if (!best || score > best->score) {
         const double nx = -(b[2] - a[2]) / apart, nz = (b[0] - a[0]) / apart;
         best = BreastPair{
