@@ -25,7 +25,7 @@ struct ScanOptions {
   std::string scan, followup, scan_landmarks, followup_landmarks;
 
   void add_to(CLI::App& command);
-  /// Those that were given, by the names of pipeline::replace_scan.
+  /// Those that were given, by the names of pipeline::replace_scans.
   [[nodiscard]] std::map<std::string, std::filesystem::path> given() const;
 };
 

@@ -29,7 +29,7 @@ void ScanOptions::add_to(CLI::App& command) {
                      "surface scan of the standing patient before surgery: .obj (with .mtl and "
                      "photographs), .ply, .stl");
   command.add_option("--followup", followup, "surface scan after healing, to compare with");
-  command.add_option("--scan-landmarks", scan_landmarks,
+  command.add_option("--scan-landmarks,--landmarks", scan_landmarks,
                      "JSON with landmarks_scan_mm of --scan, when it cannot be laid on by itself");
   command.add_option("--followup-landmarks", followup_landmarks, "the same for --followup");
 }

@@ -13,7 +13,7 @@ namespace {
 
 struct Arguments {
   std::string folder, labels, image, plan, tumour;
-  std::string preset = "sanatrix", pose, density;
+  std::string preset = "sanatrix", pose, density, scan_unit;
   ScanOptions scans;
   int series = 0;
 };
@@ -32,8 +32,14 @@ nlohmann::json warnings_of(const pipeline::Case& made) {
 }
 
 std::vector<std::string> parameters_of(const Arguments& given) {
-  return given.density.empty() ? std::vector<std::string>{}
-                               : std::vector{"segment.density=" + given.density};
+  std::vector<std::string> parameters;
+  if (!given.density.empty()) {
+    parameters.push_back("segment.density=" + given.density);
+  }
+  if (!given.scan_unit.empty()) {
+    parameters.push_back("outcome.scan_unit=" + given.scan_unit);
+  }
+  return parameters;
 }
 
 /// What was found on a scan, for a look before the case runs.
@@ -42,9 +48,13 @@ std::string frame_words(const nlohmann::json& frame) {
     return fmt::format("({:.0f}, {:.0f}, {:.0f})", mm.at(0).get<double>(), mm.at(1).get<double>(),
                        mm.at(2).get<double>());
   };
-  std::string words =
-      fmt::format("nipples at LPS R {} and L {} mm", place(frame.at("nipple_lps_mm").at("R")),
-                  place(frame.at("nipple_lps_mm").at("L")));
+  std::string words = "nipples at LPS";
+  for (const char* side : {"R", "L"}) {
+    const nlohmann::json& find = frame.at("nipples").at(side);
+    words +=
+        fmt::format(" {} {} +-{:.0f} mm (by {})", side, place(frame.at("nipple_lps_mm").at(side)),
+                    find.at("doubt_mm").get<double>(), find.at("from").get<std::string>());
+  }
   if (frame.contains("sternal_notch_lps_mm")) {
     words += fmt::format(", sternal notch at {} mm", place(frame["sternal_notch_lps_mm"]));
   }
@@ -127,6 +137,8 @@ void add_new(CLI::App& app, Common& common, Command& chosen) {
   given->scans.add_to(*command);
   command->add_option("--pose", given->pose, "of a scan without image: upright")
       ->check(CLI::IsMember({"upright"}));
+  command->add_option("--scan-unit", given->scan_unit, "of --scan; default: from its size")
+      ->check(CLI::IsMember({"mm", "cm", "in", "m"}));
   command
       ->add_option("--density", given->density,
                    "density class of the breasts for a scan without image (default b)")

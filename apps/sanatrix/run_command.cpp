@@ -24,13 +24,14 @@ struct Arguments {
 /// Applies --plan, --set, --scan and --followup, all or nothing, and keeps them in case.json.
 void change(pipeline::Case& patient, const Arguments& given) {
   if (!given.plan.empty()) {
-    pipeline::replace_plan(patient, given.plan);
+    pipeline::drop_plan(patient);
   }
   for (const std::string& assignment : given.assignments) {
     patient.parameters.set(assignment);
   }
-  for (const auto& [name, file] : given.scans.given()) {
-    pipeline::replace_scan(patient, name, file);
+  pipeline::replace_scans(patient, given.scans.given());
+  if (!given.plan.empty()) {
+    pipeline::replace_plan(patient, given.plan);
   }
   patient.parameters.check();
   pipeline::follow_plan(patient);

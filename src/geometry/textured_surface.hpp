@@ -19,12 +19,14 @@ struct Photograph {
 };
 
 using TextureCorner = std::array<float, 2>;  ///< u to the right, v up
+using Colour = std::array<float, 3>;         ///< red, green, blue; 0..255
 
 struct TexturedSurface {
   TriMesh mesh;
   /// Per triangle; empty without a photograph. Corners of triangles without a photograph are NaN.
   std::vector<std::array<TextureCorner, 3>> corners;
   Photograph photograph;
+  std::vector<Colour> point_colour;  ///< per point; empty when the scan has none
 
   [[nodiscard]] bool has_photograph() const { return !photograph.empty() && !corners.empty(); }
 };

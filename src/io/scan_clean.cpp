@@ -170,6 +170,10 @@ class Cleaner {
         if (n < 0) {
           n = static_cast<int>(surface.mesh.points.size());
           surface.mesh.points.push_back(corner(t, k));
+          if (!raw_.point_colour.empty()) {
+            surface.point_colour.push_back(
+                raw_.point_colour[static_cast<std::size_t>(raw_.triangles[t][k])]);
+          }
         }
         triangle[k] = n;
       }

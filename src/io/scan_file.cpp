@@ -41,10 +41,12 @@ struct NamedUnit {
   ScanUnit unit;
   const char* name;
   double metres;
+  double least_guess_m;  ///< shorter than this, another unit is likelier
 };
-constexpr std::array<NamedUnit, 3> units{{{ScanUnit::Millimetre, "mm", 1e-3},
-                                          {ScanUnit::Centimetre, "cm", 1e-2},
-                                          {ScanUnit::Metre, "m", 1.0}}};
+constexpr std::array<NamedUnit, 4> units{{{ScanUnit::Millimetre, "mm", 1e-3, 0.15},
+                                          {ScanUnit::Centimetre, "cm", 1e-2, 0.24},
+                                          {ScanUnit::Inch, "in", 0.0254, 0.15},
+                                          {ScanUnit::Metre, "m", 1.0, 0.15}}};
 
 /// Longest side of the box around the points that faces use, in the file's unit.
 double extent_of(const RawScan& raw) {
@@ -63,25 +65,28 @@ double extent_of(const RawScan& raw) {
   return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
 }
 
-/// A trunk is between 0.15 and 1.5 m long, so that at most one unit fits.
+/// A trunk is between 0.15 and 1.5 m long. The first that fits: only centimetres and inches can be
+/// mistaken for each other, and a scan of both breasts is no shorter than 24 cm.
 NamedUnit find_unit(const RawScan& raw, ScanUnit asked, const std::string& name) {
   constexpr double shortest_m = 0.15, longest_m = 1.5;
   const double extent = extent_of(raw);
   for (const NamedUnit& unit : units) {
     const double metres = unit.metres * extent;
     const bool fits = metres >= shortest_m && metres < longest_m;
-    if (asked == unit.unit || (asked == ScanUnit::Guess && fits)) {
+    const bool likely = fits && metres >= unit.least_guess_m;
+    if (asked == unit.unit || (asked == ScanUnit::Guess && likely)) {
       if (!fits) {
-        throw Error(Fault::Input,
-                    fmt::format("{}: in {} the scan would be {:.3g} m long; a trunk is {} to {} m",
-                                name, unit.name, metres, shortest_m, longest_m),
-                    "give the right --scan-unit (mm, cm or m)");
+        throw Error(
+            Fault::Input,
+            fmt::format("{}: in {} the scan would be {:.3g} m long; a trunk is {} to {} m", name,
+                        unit.name, metres, shortest_m, longest_m),
+            "give the right unit: new --scan-unit, run --set outcome.scan_unit (mm, cm, in, m)");
       }
       return unit;
     }
   }
   throw Error(Fault::Input,
-              fmt::format("{}: the scan is {:.3g} units long, which is no trunk in mm, cm or m",
+              fmt::format("{}: the scan is {:.3g} units long, which is no trunk in mm, cm, in or m",
                           name, extent),
               "check that the file is a scan of the trunk, and its unit");
 }
@@ -177,7 +182,7 @@ ScanUnit parse_scan_unit(const std::string& name) {
   }
   if (name != "guess") {
     throw Error(Fault::Usage, fmt::format("there is no unit of scans '{}'", name),
-                "write guess, mm, cm or m");
+                "write guess, mm, cm, in or m");
   }
   return ScanUnit::Guess;
 }
@@ -205,10 +210,19 @@ std::vector<std::string> copy_scan(const fs::path& from, const fs::path& folder,
   std::string out = "ply\nformat ascii 1.0\n";
   out += fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n",
                      raw.points.size());
+  const bool coloured = !raw.point_colour.empty();
+  if (coloured) {
+    out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  }
   out += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n",
                      raw.triangles.size());
-  for (const Vec3& p : raw.points) {
-    out += fmt::format("{} {} {}\n", p[0], p[1], p[2]);
+  for (std::size_t i = 0; i < raw.points.size(); ++i) {
+    const Vec3& p = raw.points[i];
+    out += fmt::format("{} {} {}", p[0], p[1], p[2]);
+    for (std::size_t k = 0; coloured && k < 3; ++k) {
+      out += fmt::format(" {:.0f}", raw.point_colour[i][k]);
+    }
+    out += '\n';
   }
   for (const auto& [a, b, c] : raw.triangles) {
     out += fmt::format("3 {} {} {}\n", a, b, c);

@@ -11,13 +11,13 @@
 
 namespace sanatrix::io {
 
-enum class ScanUnit { Guess, Metre, Centimetre, Millimetre };
-/// "guess", "m", "cm" or "mm"; Error{Usage} otherwise.
+enum class ScanUnit { Guess, Metre, Centimetre, Millimetre, Inch };
+/// "guess", "m", "cm", "mm" or "in"; Error{Usage} otherwise.
 ScanUnit parse_scan_unit(const std::string& name);
 
 struct Scan {
   TexturedSurface surface;         ///< [m], in the scanner's own frame
-  std::string unit;                ///< of the file: "mm", "cm" or "m"
+  std::string unit;                ///< of the file: "mm", "cm", "in" or "m"
   std::vector<std::string> notes;  ///< what was repaired or left out, one sentence each
 };
 

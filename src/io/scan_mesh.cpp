@@ -7,6 +7,7 @@
 #include <vtkNew.h>
 #include <vtkObject.h>
 #include <vtkPLYReader.h>
+#include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkSTLReader.h>
 #include <vtkSmartPointer.h>
@@ -63,6 +64,22 @@ vtkSmartPointer<vtkPolyData> read_with(const fs::path& file) {
   return reader->GetOutput();
 }
 
+/// Colours of a PLY's vertices (red, green, blue), if it has them.
+std::vector<Colour> colours_of(vtkPolyData& data) {
+  vtkDataArray* rgb = data.GetPointData()->GetScalars();
+  std::vector<Colour> colours;
+  if (rgb == nullptr || rgb->GetNumberOfComponents() < 3) {
+    return colours;
+  }
+  for (vtkIdType i = 0; i < data.GetNumberOfPoints(); ++i) {
+    Colour& colour = colours.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      colour[static_cast<std::size_t>(k)] = static_cast<float>(rgb->GetComponent(i, k));
+    }
+  }
+  return colours;
+}
+
 }  // namespace
 
 RawScan read_ply_or_stl(const fs::path& file) {
@@ -78,6 +95,7 @@ RawScan read_ply_or_stl(const fs::path& file) {
     data->GetPoint(i, p.data());
     raw.points.push_back(p);
   }
+  raw.point_colour = colours_of(*data);
   vtkNew<vtkIdList> face;
   vtkCellArray& faces = *data->GetPolys();
   for (faces.InitTraversal(); faces.GetNextCell(face) != 0;) {

@@ -66,6 +66,7 @@ class ObjReader {
     const std::string_view key = next_word(line);
     if (key == "v") {
       scan_.points.push_back({real(line), real(line), real(line)});
+      take_colour(line);
     } else if (key == "vt") {
       const double u = real(line);
       scan_.texture_points.push_back({static_cast<float>(u), static_cast<float>(real(line))});
@@ -76,6 +77,20 @@ class ObjReader {
     } else if (key == "mtllib") {
       libraries_.emplace_back(trimmed(line));
     }
+  }
+
+  /// Some scanners write red, green, blue after a vertex, as 0..1 or 0..255.
+  void take_colour(std::string_view line) {
+    Colour colour{};
+    for (float& channel : colour) {
+      if (trimmed(line).empty() || trimmed(line).starts_with('#')) {
+        return;
+      }
+      channel = static_cast<float>(real(line));
+    }
+    // Vertices without colours before it stay black, which is taken for no colour.
+    scan_.point_colour.resize(scan_.points.size() - 1);
+    scan_.point_colour.push_back(colour);
   }
 
   double real(std::string_view& line) {
@@ -143,6 +158,7 @@ class ObjReader {
   /// Gives every material its photograph.
   void finish() {
     require(!scan_.triangles.empty(), "{}: there are no faces in it", name_);
+    finish_colours();
     std::map<std::string, fs::path> photographs;
     for (const std::string& library : libraries_) {
       photographs.merge(read_mtl(companion(file_, library)));
@@ -157,6 +173,23 @@ class ObjReader {
       if (!libraries_.empty() && found == photographs.end()) {
         scan_.notes.push_back(fmt::format(
             "the material '{}' is not described: its faces have no photograph", material));
+      }
+    }
+  }
+
+  void finish_colours() {
+    if (scan_.point_colour.empty()) {
+      return;
+    }
+    scan_.point_colour.resize(scan_.points.size());
+    float brightest = 0;
+    for (const Colour& colour : scan_.point_colour) {
+      brightest = std::max({brightest, colour[0], colour[1], colour[2]});
+    }
+    const float scale = brightest <= 1.0F ? 255.0F : 1.0F;
+    for (Colour& colour : scan_.point_colour) {
+      for (float& channel : colour) {
+        channel *= scale;
       }
     }
   }

@@ -13,7 +13,8 @@ namespace sanatrix::io {
 
 /// A scan as it stands in its file, before anything is mended. Lengths in the file's unit.
 struct RawScan {
-  std::vector<Vec3> points;  ///< may hold NaN
+  std::vector<Vec3> points;          ///< may hold NaN
+  std::vector<Colour> point_colour;  ///< per point, or empty
   std::vector<TextureCorner> texture_points;
   std::vector<std::array<int, 3>> triangles;
   std::vector<std::array<int, 3>> texture_triangles;  ///< -1: no texture; empty: none has

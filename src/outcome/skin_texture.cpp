@@ -109,7 +109,7 @@ template <class ColourOf>
 TexturedSurface baked(const TriMesh& skin, int side_pixels, ColourOf&& colour_of) {
   const Atlas atlas(skin.triangles.size(), side_pixels);
   const auto side = static_cast<std::size_t>(atlas.side);
-  TexturedSurface result{skin, {}, {atlas.side, atlas.side, {}}};
+  TexturedSurface result{skin, {}, {atlas.side, atlas.side, {}}, {}};
   result.photograph.rgb.assign(3 * side * side, 128);
   for (std::size_t t = 0; t < skin.triangles.size(); ++t) {
     const auto corners = atlas.corners(t);

@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstring>
 #include <functional>
-#include <ranges>
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
@@ -173,6 +172,33 @@ void place_again(Case& patient) {
               [&](const fs::path& to) { write_text(to, text); });
 }
 
+void take_in_landmarks(Case& patient, const std::string& name, const fs::path& file) {
+  const std::string text = read_text(file);
+  const json j = json::parse(text, nullptr, false);
+  require(j.is_object() &&
+              (j.contains("landmarks_scan_mm") || (patient.scan_only() && j.contains("markups"))),
+          "{}: it has no object landmarks_scan_mm with nipple_L, nipple_R, sternal_notch",
+          file.filename().string());
+  patient.inputs[name] =
+      take_in(patient.folder, fmt::format("{}-{:.8}.json", name, sha256_of_text(text)),
+              [&](const fs::path& to) { write_text(to, text); });
+}
+
+void take_in_scan(Case& patient, const std::string& name, const fs::path& file) {
+  io::read_scan(file, io::parse_scan_unit(patient.parameters.text("outcome.scan_unit")));
+  std::erase_if(patient.inputs, [&](const auto& entry) {
+    return entry.first == name || entry.first.starts_with(name + ".");
+  });
+  const std::string stem = fmt::format("{}-{:.8}", name, sha256_of_file(file));
+  const std::vector<std::string> copies = io::copy_scan(file, patient.folder / "inputs", stem);
+  for (std::size_t i = 0; i < copies.size(); ++i) {
+    const fs::path copy = patient.folder / "inputs" / copies[i];
+    const std::string key = i == 0 ? name : fmt::format("{}.{}", name, i);
+    patient.inputs[key] = {"inputs/" + copies[i], sha256_of_file(copy)};
+    fs::permissions(copy, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+  }
+}
+
 }  // namespace
 
 fs::path Case::input(const std::string& name) const {
@@ -235,10 +261,7 @@ Case create_case(const fs::path& folder, const NewCase& given) {
     for (const std::string& assignment : given.parameters) {
       patient.parameters.set(assignment);
     }
-    // Landmarks before the scan that they help to place: names in reverse.
-    for (const auto& [name, file] : given.scans | std::views::reverse) {
-      replace_scan(patient, name, file);
-    }
+    replace_scans(patient, given.scans);
     if (given.plan) {
       replace_plan(patient, *given.plan);
     }
@@ -298,38 +321,24 @@ void replace_plan(Case& patient, const fs::path& plan_file) {
   const std::string name = fmt::format("plan-{:.8}.json", sha256_of_text(text));
   patient.inputs["plan"] =
       take_in(patient.folder, name, [&](const fs::path& to) { write_text(to, text); });
+}
+
+void drop_plan(Case& patient) {
+  patient.inputs.erase("plan");
   patient.parameters.reset("surgery.");
 }
 
-void replace_scan(Case& patient, const std::string& name, const fs::path& file) {
-  if (name.ends_with("_landmarks")) {
-    const std::string text = read_text(file);
-    const json j = json::parse(text, nullptr, false);
-    require(j.is_object() &&
-                (j.contains("landmarks_scan_mm") || (patient.scan_only() && j.contains("markups"))),
-            "{}: it has no object landmarks_scan_mm with nipple_L, nipple_R, sternal_notch",
-            file.filename().string());
-    patient.inputs[name] =
-        take_in(patient.folder, fmt::format("{}-{:.8}.json", name, sha256_of_text(text)),
-                [&](const fs::path& to) { write_text(to, text); });
-    if (patient.scan_only() && name == "scan_landmarks" && patient.inputs.contains("scan")) {
-      place_again(patient);
-    }
-    return;
+void replace_scans(Case& patient, const std::map<std::string, fs::path>& files) {
+  if (files.contains("scan") && patient.scan_only()) {
+    patient.inputs.erase("scan_landmarks");  // those were marked on the scan before
   }
-  io::read_scan(file, io::parse_scan_unit(patient.parameters.text("outcome.scan_unit")));
-  std::erase_if(patient.inputs, [&](const auto& entry) {
-    return entry.first == name || entry.first.starts_with(name + ".");
-  });
-  const std::string stem = fmt::format("{}-{:.8}", name, sha256_of_file(file));
-  const std::vector<std::string> copies = io::copy_scan(file, patient.folder / "inputs", stem);
-  for (std::size_t i = 0; i < copies.size(); ++i) {
-    const fs::path copy = patient.folder / "inputs" / copies[i];
-    const std::string key = i == 0 ? name : fmt::format("{}.{}", name, i);
-    patient.inputs[key] = {"inputs/" + copies[i], sha256_of_file(copy)};
-    fs::permissions(copy, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+  for (const auto& [name, file] : files) {
+    name.ends_with("_landmarks") ? take_in_landmarks(patient, name, file)
+                                 : take_in_scan(patient, name, file);
   }
-  if (patient.scan_only() && name == "scan") {
+  // Once, when scan, landmarks and unit are all there.
+  if (patient.scan_only() &&
+      (files.contains("scan") || files.contains("scan_landmarks") || !stands_in_unit(patient))) {
     place_again(patient);
   }
 }

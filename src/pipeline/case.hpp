@@ -46,7 +46,7 @@ struct NewCase {
   std::optional<std::filesystem::path> plan;
   std::optional<std::filesystem::path>
       tumour;  ///< for images; else the plan's (pipeline/tumour.hpp)
-  std::map<std::string, std::filesystem::path> scans;  ///< as for replace_scan
+  std::map<std::string, std::filesystem::path> scans;  ///< as for replace_scans
   std::vector<std::string> parameters;                 ///< "key=value", kept in the case
 };
 /// Creates the folder completely or not at all. Error{Input} when it exists and is not empty, or
@@ -56,12 +56,14 @@ Case create_case(const std::filesystem::path& folder, const NewCase& given);
 Case open_case(const std::filesystem::path& folder);
 void save_case(const Case& patient);
 
-/// Replaces the plan; surgery.* parameters return to what the new plan says.
+/// Takes the plan away, and the surgery.* parameters that changed it.
+void drop_plan(Case& patient);
 void replace_plan(Case& patient, const std::filesystem::path& plan_file);
-/// Attaches a surface scan in the place of an earlier one: "scan" (before surgery) or "followup",
-/// with its material file and photographs; or the landmarks marked on one: "scan_landmarks",
-/// "followup_landmarks". Error{Input} when it cannot be read.
-void replace_scan(Case& patient, const std::string& name, const std::filesystem::path& file);
+/// Attaches surface scans in the place of earlier ones: "scan" (before surgery) and "followup",
+/// with material file and photographs; and the landmarks marked on them: "scan_landmarks",
+/// "followup_landmarks". A case of a scan alone is then placed anew, its plan with it.
+/// Error{Input} when one cannot be used.
+void replace_scans(Case& patient, const std::map<std::string, std::filesystem::path>& files);
 /// Moves the mesh focus when the plan has left it.
 void follow_plan(Case& patient);
 /// Error{Input} when a file in inputs/ is not what was given.

@@ -37,7 +37,7 @@ void add_geometry(std::vector<ParameterInfo>& t) {
                      "voxel size to which the labels are resampled"));
   t.push_back(choice("segment.density", {"a", "b", "c", "d"},
                      "density class of the breasts; for cases from a scan alone", "b"));
-  t.push_back(number("segment.wall_depth_mm", "15", 4, 40, "mm",
+  t.push_back(number("segment.wall_depth_mm", "16", 4, 40, "mm",
                      "soft tissue over the chest wall beside the breasts; for cases from a scan "
                      "alone"));
   t.push_back(choice("mesh.preset", {"standard", "paper"},
@@ -102,7 +102,7 @@ void add_treatment(std::vector<ParameterInfo>& t) {
                      "cvode: adaptive implicit; explicit: the paper's Euler steps", "cvode"));
   t.push_back(number("heal.dt_s", "17.28", 1e-3, 1e5, "s", "step of the explicit scheme"));
   t.push_back(number("heal.relative_tolerance", "1e-4", 1e-10, 1e-2, "", "of cvode"));
-  t.push_back(choice("outcome.scan_unit", {"guess", "mm", "cm", "m"},
+  t.push_back(choice("outcome.scan_unit", {"guess", "mm", "cm", "in", "m"},
                      "unit of length of the surface scans; guess: by their size", "guess"));
   t.push_back(choice("outcome.pictures", {"yes", "no"}, "make PNG pictures", "yes"));
 }

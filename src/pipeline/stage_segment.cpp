@@ -72,6 +72,7 @@ imaging::Segmentation from_scan(const StageInput& in, StageNotes& notes) {
                {"density_class", density},
                {"fibroglandular_share", gland_share(density)},
                {"scan_unit", scan.unit},
+               {"nipples", json::parse(scan.nipples)},
                {"scan_not_seen_share", body.unseen_share},
                {"notes", scan.notes}};
   write_text(in.out / "scan_only.json", j.dump(2) + "\n");

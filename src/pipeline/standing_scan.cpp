@@ -38,6 +38,16 @@ Rigid rigid_from(const json& rows) {
   return move;
 }
 
+/// What was taken for a nipple, and how sure its place is.
+json to_json(const standing::NippleFind& find) {
+  using enum standing::NippleSign;
+  const char* from = find.sign == Mark     ? "mark"
+                     : find.sign == Colour ? "colour"
+                     : find.sign == Bump   ? "bump"
+                                           : "shape of the breast";
+  return {{"from", from}, {"doubt_mm", find.doubt_mm}};
+}
+
 /// One mark by its name; names of others are passed over.
 void set_mark(standing::ScanLandmarks& marks, const std::string& name, const Vec3& mm) {
   const Vec3 place = 1e-3 * mm;
@@ -92,10 +102,12 @@ void find_standing_frame(Case& patient) {
     marks = read_marks(read_text(patient.input("scan_landmarks")), "scan landmarks");
   }
   const standing::ScanFrame frame =
-      during("scan", [&] { return standing::find_frame(scan.surface.mesh, marks); });
+      during("scan", [&] { return standing::find_frame(scan.surface, marks); });
   json j{{"unit", scan.unit},
+         {"unit_asked", patient.parameters.text("outcome.scan_unit")},
          {"scan_to_patient_lps_mm", to_json(frame.to_patient)},
          {"nipple_lps_mm", {{"R", 1e3 * frame.nipple[0]}, {"L", 1e3 * frame.nipple[1]}}},
+         {"nipples", {{"R", to_json(frame.nipple_find[0])}, {"L", to_json(frame.nipple_find[1])}}},
          {"notes", frame.notes}};
   for (const std::string& note : scan.notes) {
     j["notes"].push_back(note);
@@ -109,6 +121,12 @@ void find_standing_frame(Case& patient) {
   patient.inputs["scan_frame"] = {file, sha256_of_text(text)};
 }
 
+bool stands_in_unit(const Case& patient) {
+  return patient.inputs.contains("scan_frame") &&
+         json::parse(read_text(patient.input("scan_frame"))).value("unit_asked", "guess") ==
+             patient.parameters.text("outcome.scan_unit");
+}
+
 StandingScan load_standing_scan(const Case& patient) {
   const json j = json::parse(read_text(patient.input("scan_frame")));
   StandingScan scan;
@@ -116,6 +134,7 @@ StandingScan load_standing_scan(const Case& patient) {
   scan.to_patient = rigid_from(j.at("scan_to_patient_lps_mm"));
   scan.nipple = {1e-3 * j.at("nipple_lps_mm").at("R").get<Vec3>(),
                  1e-3 * j.at("nipple_lps_mm").at("L").get<Vec3>()};
+  scan.nipples = j.value("nipples", json::object()).dump();
   scan.notes = j.at("notes").get<std::vector<std::string>>();
   if (j.contains("sternal_notch_lps_mm")) {
     scan.sternal_notch = 1e-3 * j["sternal_notch_lps_mm"].get<Vec3>();

@@ -15,6 +15,9 @@ standing::ScanLandmarks read_marks(const std::string& json_text, const std::stri
 /// when the scan shows no breasts.
 void find_standing_frame(Case& patient);
 
+/// Whether that frame was found with the unit that the case's parameters ask for.
+bool stands_in_unit(const Case& patient);
+
 /// What find_standing_frame kept, and the scan itself in LPS [m].
 struct StandingScan {
   TriMesh skin;
@@ -22,6 +25,7 @@ struct StandingScan {
   std::optional<Vec3> sternal_notch;
   Rigid to_patient;
   std::string unit;
+  std::string nipples;  ///< JSON: what they were taken from, and their doubt
   std::vector<std::string> notes;
 };
 StandingScan load_standing_scan(const Case& patient);

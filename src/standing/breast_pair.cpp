@@ -12,12 +12,13 @@ constexpr double least_rise_mm = 12.0;  ///< in front of the rolling ball
 constexpr double peak_radius_mm = 40.0, breast_radius_mm = 70.0;
 /// Distance of the nipples of adults: 16 to 30 cm, with room for large and for ptotic breasts.
 constexpr double nearest_mm = 110.0, farthest_mm = 330.0;
+constexpr double usual_mm = 200.0, usual_spread_mm = 60.0;  ///< arms lie farther apart
 constexpr double mirror_reach_mm = 160.0;  ///< how far from the middle symmetry is looked at
 constexpr double mirror_scale_mm = 12.0;   ///< asymmetry of real trunks
 
 struct Peak {
   int i, k;
-  double volume;  ///< [cm3] of the rise around it
+  double volume;  ///< [cm3] of the rise around it, less where little is seen
 };
 
 Vec3 place(const ColumnMap& map, int i, int k) {
@@ -49,15 +50,21 @@ std::vector<Peak> find_peaks(const FrontMap& front, const ColumnMap& prominence)
       }
       Peak peak{i, k, 0.0};
       bool highest = true;
+      double seen = 0, all = 0;
       around(prominence, i, k, breast_radius_mm, [&](int a, int b, double dx, double dz) {
         const double there = prominence.at(a, b);
         const bool before = b < k || (b == k && a < i);  // one of equals
         const bool near = dx * dx + dz * dz < peak_radius_mm * peak_radius_mm;
         highest = highest && !(near && (there > here || (there == here && before)));
-        peak.volume += front.seen[prominence.index(a, b)] ? there : 0.0;
+        const double is_seen = front.seen[prominence.index(a, b)] ? 1.0 : 0.0;
+        peak.volume += is_seen * there;
+        seen += is_seen;
+        all += 1;
       });
       if (highest) {
-        peak.volume *= prominence.spacing_mm * prominence.spacing_mm * 1e-3;
+        // An arm has nothing beside it, a breast has the trunk.
+        const double share = seen / all;
+        peak.volume *= share * share * prominence.spacing_mm * prominence.spacing_mm * 1e-3;
         peaks.push_back(peak);
       }
     }
@@ -90,14 +97,27 @@ double asymmetry(const FrontMap& front, const Vec3& a, const Vec3& b) {
   return count > 50 ? sum / count : 1e3;
 }
 
-/// Moment [mm] of the rise about the tip along n.
-double leaning(const ColumnMap& prominence, const Peak& peak, double nx, double nz) {
-  double moment = 0, total = 0;
-  around(prominence, peak.i, peak.k, breast_radius_mm, [&](int a, int b, double dx, double dz) {
-    moment += prominence.at(a, b) * (dx * nx + dz * nz);
-    total += prominence.at(a, b);
-  });
-  return moment / total;
+/// How fast the skin falls back at the steepest place on one side of a tip, mean over the breast's
+/// width; n points to that side.
+double steepness(const ColumnMap& skin_y, const Peak& peak, double nx, double nz) {
+  constexpr double half_width_mm = 30.0, from_mm = 15.0, to_mm = 95.0, window_mm = 10.0;
+  constexpr double cliff = 3.0;  // an overhang is no steeper than this
+  const Vec3 tip = place(skin_y, peak.i, peak.k);
+  const auto y_at = [&](double along, double across) {
+    return skin_y.value[skin_y.nearest(tip[0] + along * nx + across * nz,
+                                       tip[2] + along * nz - across * nx)];
+  };
+  double sum = 0, count = 0;
+  for (double across = -half_width_mm; across <= half_width_mm; across += skin_y.spacing_mm) {
+    double steepest = 0;
+    for (double along = from_mm; along <= to_mm; along += skin_y.spacing_mm) {
+      const double fall = (y_at(along + window_mm, across) - y_at(along, across)) / window_mm;
+      steepest = std::max(steepest, std::min(fall, cliff));
+    }
+    sum += steepest;
+    count += 1;
+  }
+  return sum / count;
 }
 
 }  // namespace
@@ -117,16 +137,19 @@ std::optional<BreastPair> find_pair(const FrontMap& front, const ColumnMap& prom
       if (apart < nearest_mm || apart > farthest_mm) {
         continue;
       }
+      const double unusual = (apart - usual_mm) / usual_spread_mm;
       const double small = std::min(two[0].volume, two[1].volume);
       const double large = std::max(two[0].volume, two[1].volume);
       const double score =
-          small * small / large * std::exp(-asymmetry(front, a, b) / mirror_scale_mm);
+          small * small / large *
+          std::exp(-asymmetry(front, a, b) / mirror_scale_mm - 0.5 * unusual * unusual);
       if (!best || score > best->score) {
         const double nx = -(b[2] - a[2]) / apart, nz = (b[0] - a[0]) / apart;
-        best =
-            BreastPair{{a, b},
-                       score,
-                       leaning(prominence, two[0], nx, nz) + leaning(prominence, two[1], nx, nz)};
+        best = BreastPair{
+            {a, b},
+            score,
+            steepness(front.skin_y, two[0], -nx, -nz) + steepness(front.skin_y, two[1], -nx, -nz) -
+                steepness(front.skin_y, two[0], nx, nz) - steepness(front.skin_y, two[1], nx, nz)};
       }
     }
   }

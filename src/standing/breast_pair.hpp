@@ -14,8 +14,9 @@ inline constexpr meshing::RollingBall search_ball{120.0, 120.0, 120.0};
 struct BreastPair {
   std::array<Vec3, 2> tip_mm{};  ///< LPS of the map; [0] at lower x
   double score = 0.0;            ///< the larger, the more like two breasts
-  /// Which way along the map the breasts' upper poles lie, from their centre of mass seen from the
-  /// tips: in +n (above 0) or -n, n the frontal normal of the line from tip 0 to tip 1.
+  /// Which way along the map the breasts' upper poles lie: in +n (above 0) or -n, n the frontal
+  /// normal of the line from tip 0 to tip 1. The skin falls back slowly over them, and steeply to
+  /// the fold below the breast.
   double upper_pole = 0.0;
 };
 

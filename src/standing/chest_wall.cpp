@@ -10,8 +10,10 @@ namespace {
 
 using meshing::ColumnMap;
 
-constexpr double rim_mm = 12.0;
+constexpr double rim_mm = 28.0;
 constexpr double plate_length_mm = 4.0;
+/// Where no breast covers it, the chest is round: sum of the skin's curvatures seen from the front.
+constexpr double chest_radius_mm = 180.0;
 
 }  // namespace
 
@@ -31,9 +33,11 @@ ColumnMap trunk_without_breasts(const FrontMap& front, const meshing::BreastMap&
       columns.push_back(c);
     }
   }
-  // Least sum of squares of slopes and of l x (second differences), l the plate's length.
+  // Least sum of squares of slopes and of l x (second differences), l the plate's length, under an
+  // even load that bulges the membrane forward as far as a chest.
   std::vector<Eigen::Triplet<double>> entries;
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(static_cast<int>(columns.size()));
+  Eigen::VectorXd right = Eigen::VectorXd::Constant(
+      static_cast<int>(columns.size()), -base.spacing_mm * base.spacing_mm / chest_radius_mm);
   const auto add = [&](const std::vector<std::pair<std::size_t, double>>& row) {
     for (const auto& [c, a] : row) {
       if (unknown[c] < 0) {

@@ -5,9 +5,10 @@
 
 namespace sanatrix::standing {
 
-/// Fills to_patient, nipple and sternal_notch; marked ones are taken as they are. `rotation` turns
+/// Fills to_patient, nipple, nipple_find and sternal_notch; marked ones are taken as they are. The
+/// scan's colours say most, then a bump, then the shape of the breast. `rotation` turns
 /// the scan into LPS. Error{Input} when there is no breast on one side.
-void locate_nipples(const TriMesh& scan, const Mat3& rotation, const ScanLandmarks& marks,
+void locate_nipples(const TexturedSurface& scan, const Mat3& rotation, const ScanLandmarks& marks,
                     ScanFrame& frame);
 
 }  // namespace sanatrix::standing

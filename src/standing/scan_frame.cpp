@@ -56,14 +56,24 @@ Vec3 mean_normal(const TriMesh& scan) {
   return (1 / total) * sum;
 }
 
-/// Directions in which the front may be: where the skin looks on average, or all round and across
-/// when the scan goes round the body.
+/// Directions in which the front may be: about where the skin looks on average, or all round and
+/// across when the scan goes round the body.
 std::vector<Vec3> possible_fronts(const TriMesh& scan) {
   const Vec3 mean = mean_normal(scan);
-  if (norm(mean) > 0.2) {
-    return {normalised(mean)};
-  }
   std::vector<Vec3> fronts;
+  if (norm(mean) > 0.2) {
+    // Arms and what is missing at the back turn the mean: look from beside it, too.
+    constexpr double beside = 0.36;  // tan 20 degrees
+    const Vec3 front = normalised(mean);
+    const Vec3 any = std::abs(front[0]) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    const Vec3 u = normalised(cross(front, any)), v = cross(front, u);
+    fronts.push_back(front);
+    for (int i = 0; i < 6; ++i) {
+      const double turn = std::numbers::pi * i / 3;
+      fronts.push_back(normalised(front + beside * (std::cos(turn) * u + std::sin(turn) * v)));
+    }
+    return fronts;
+  }
   constexpr int rings = 6;  // 30 degrees apart; refined afterwards
   for (int r = 0; r <= rings; ++r) {
     const double polar = std::numbers::pi * r / rings;
@@ -85,7 +95,7 @@ Mat3 facing(const Vec3& front) {
 struct Found {
   Mat3 rotation = identity3;
   double score = 0.0;
-  double upper_pole_mm = 0.0;
+  double steeper = 0.0;  ///< the lower side of the breasts than the upper one
 };
 
 /// The turn that brings the best pair of breasts level, with their upper poles upwards.
@@ -99,7 +109,8 @@ Found search(const TriMesh& coarse) {
     }
     const Front front = look(coarse, rotation);
     const auto pair = find_pair(front.map, front.prominence);
-    if (!pair || pair->score <= best.score) {
+    // Breasts have a steep side; a pair without one may be anything.
+    if (!pair || pair->score * std::abs(pair->upper_pole) <= best.score * best.steeper) {
       continue;
     }
     const double sign = pair->upper_pole >= 0 ? 1.0 : -1.0;
@@ -188,8 +199,8 @@ Mat3 marked_rotation(const ScanLandmarks& marks) {
 
 }  // namespace
 
-ScanFrame find_frame(const TriMesh& scan, const ScanLandmarks& marks) {
-  const TriMesh coarse = outcome::coarsened(scan, search_edge_m);
+ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
+  const TriMesh coarse = outcome::coarsened(scan.mesh, search_edge_m);
   ScanFrame frame;
   const bool marked = marks.nipple[0] && marks.nipple[1] && marks.sternal_notch;
   Found found;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/rigid.hpp"
+#include "geometry/textured_surface.hpp"
 
 namespace sanatrix::standing {
 
@@ -18,15 +19,23 @@ struct ScanLandmarks {
   std::optional<Vec3> up;  ///< a direction, against gravity
 };
 
+/// What a nipple's place was taken from, the surest first.
+enum class NippleSign { Mark, Colour, Bump, Shape };
+struct NippleFind {
+  NippleSign sign = NippleSign::Shape;
+  double doubt_mm = 0.0;  ///< 1 sd of the place
+};
+
 struct ScanFrame {
   Rigid to_patient;              ///< scan -> LPS [m], origin midway between the nipples
   std::array<Vec3, 2> nipple{};  ///< LPS [m]
+  std::array<NippleFind, 2> nipple_find{};
   std::optional<Vec3> sternal_notch;
   std::vector<std::string> notes;  ///< how sure this is, one sentence each
 };
 
 /// Works for any rigid pose and for scans that go round the trunk. Error{Input} when no two breasts
 /// side by side are found and no landmarks are given.
-ScanFrame find_frame(const TriMesh& scan, const ScanLandmarks& marks);
+ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks);
 
 }  // namespace sanatrix::standing

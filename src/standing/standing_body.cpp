@@ -236,7 +236,7 @@ class Painter {
     }
     for (std::size_t s = 0; s < 2; ++s) {
       result.breast_cm3[s] = voxels[s] * labels.voxel_volume_mm3() * 1e-3;
-      result.breast_doubt_cm3[s] = area_mm2[s] * wall_doubt_mm * 1e-3;
+      result.breast_doubt_cm3[s] = area_mm2[s] * wall_offset_doubt_mm * 1e-3;
     }
     out.labels = std::move(labels);
     out.midline_x_mm = 0.0;

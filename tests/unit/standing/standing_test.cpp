@@ -8,50 +8,14 @@
 #include "core/error.hpp"
 #include "standing/scan_frame.hpp"
 #include "standing/standing_body.hpp"
+#include "standing_trunk.hpp"
 
 namespace sanatrix::standing {
 namespace {
 
-/// Front of an elliptic trunk with two breasts whose upper poles are longer than their lower ones.
-struct Trunk {
-  double rise_mm = 50.0;
-  Vec3 hole_mm{1e3, 0, 0};
-  double hole_radius_mm = 0.0;
-
-  static double chest(double x) { return 100 - 100 * std::sqrt(1 - x * x / (160 * 160)); }
-  [[nodiscard]] double bump(double x, double z) const {
-    const double across = (std::abs(x) - 85) / 36, along = z / (z > 0 ? 52 : 30);
-    return rise_mm * std::exp(-0.5 * (across * across + along * along));
-  }
-  [[nodiscard]] TriMesh scan() const {
-    TriMesh mesh;
-    constexpr int nx = 75, nz = 81;
-    for (int k = 0; k < nz; ++k) {
-      for (int i = 0; i < nx; ++i) {
-        const double x = 4.0 * (i - nx / 2), z = 4.0 * (k - nz / 2);
-        mesh.points.push_back(1e-3 * Vec3{x, chest(x) - bump(x, z), z});
-      }
-    }
-    for (int k = 0; k + 1 < nz; ++k) {
-      for (int i = 0; i + 1 < nx; ++i) {
-        const int a = k * nx + i;
-        const Vec3& p = mesh.points[static_cast<std::size_t>(a)];
-        if (std::hypot(1e3 * p[0] - hole_mm[0], 1e3 * p[2] - hole_mm[2]) > hole_radius_mm) {
-          mesh.triangles.push_back({a, a + 1, a + nx});
-          mesh.triangles.push_back({a + 1, a + nx + 1, a + nx});
-        }
-      }
-    }
-    return mesh;
-  }
-};
-
-Rigid some_pose(double turn) {
-  const double c = std::cos(turn), s = std::sin(turn);
-  const Mat3 about_z{{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}},
-      about_x{{{1, 0, 0}, {0, c, -s}, {0, s, c}}};
-  return {about_z * about_x, {0.3, -1.1, 0.7}};
-}
+using testing::plain;
+using testing::some_pose;
+using testing::Trunk;
 
 double degrees_between(const Vec3& a, const Vec3& b) {
   return std::acos(std::min(1.0, dot(a, b))) * 180 / std::numbers::pi;
@@ -60,7 +24,7 @@ double degrees_between(const Vec3& a, const Vec3& b) {
 TEST(ScanFrame, IsFoundInAnyPose) {
   for (const double turn : {0.0, 0.9, 2.4, 4.0}) {
     const Rigid pose = some_pose(turn);
-    const ScanFrame frame = find_frame(moved(Trunk{}.scan(), pose), {});
+    const ScanFrame frame = find_frame(plain(moved(Trunk{}.scan(), pose)), {});
     const Mat3 left_over = frame.to_patient.rotation * pose.rotation;
     // The trunk is straight and symmetric: only the scan's 4 mm columns blur its axes.
     for (std::size_t a = 0; a < 3; ++a) {
@@ -76,7 +40,7 @@ TEST(ScanFrame, IsFoundInAnyPose) {
 }
 
 TEST(ScanFrame, ATrunkWithoutBreastsIsRefused) {
-  EXPECT_THROW(find_frame(Trunk{.rise_mm = 4.0}.scan(), {}), Error);
+  EXPECT_THROW(find_frame(plain(Trunk{.rise_mm = 4.0}.scan()), {}), Error);
 }
 
 StandingBody body_of(const Trunk& trunk, double depth_mm = usual_wall_depth_mm) {
@@ -110,7 +74,8 @@ TEST(StandingBody, TheWallLiesBehindTheBreastsOfAKnownTrunk) {
 }
 
 TEST(StandingBody, ADeeperWallMakesLargerBreasts) {
-  const StandingBody usual = body_of({}), deep = body_of({}, usual_wall_depth_mm + wall_doubt_mm);
+  const StandingBody usual = body_of({}),
+                     deep = body_of({}, usual_wall_depth_mm + wall_offset_doubt_mm);
   // The stated doubt of the volume is what the doubt of the wall does.
   const double change = deep.breast_cm3[1] - usual.breast_cm3[1];
   EXPECT_NEAR(change, usual.breast_doubt_cm3[1], 0.35 * usual.breast_doubt_cm3[1]);
