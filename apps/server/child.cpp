@@ -5,13 +5,17 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/error.hpp"
+#include "core/files.hpp"
+#include "guard.hpp"
 
 extern char** environ;
 
@@ -36,9 +40,12 @@ unsigned long long start_of(int pid) {
   return state == "Z" ? 0 : std::stoull(word);
 }
 
-/// When memory runs out the kernel should end the simulation, never the server.
-void prefer_as_victim(int pid) {
+/// When memory runs out the kernel should end the simulation, never the server; and while somebody
+/// plans, answers come before what is simulated. Threads that the child makes inherit both.
+void put_behind_the_server(int pid) {
+  constexpr int nice = 10;
   std::ofstream("/proc/" + std::to_string(pid) + "/oom_score_adj") << "600";
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(pid), nice);
 }
 
 class FileActions {
@@ -104,7 +111,7 @@ ProcessId start_child(const std::vector<std::string>& words, const std::filesyst
                 "check the free memory");
   }
   child.start = start_of(child.pid);
-  prefer_as_victim(child.pid);
+  put_behind_the_server(child.pid);
   return child;
 }
 
@@ -118,6 +125,43 @@ std::optional<Exit> exit_of(const ProcessId& child) {
     return Exit{.code = ended < 0 ? 6 : WEXITSTATUS(state)};
   }
   return Exit{.code = 4, .signal = WTERMSIG(state)};
+}
+
+std::string output_of(const std::vector<std::string>& words, const std::filesystem::path& folder,
+                      std::chrono::seconds patience) {
+  using namespace std::chrono_literals;
+  const std::string name = random_name();
+  const auto output = folder / (name + ".output"), messages = folder / (name + ".messages");
+  const ProcessId child = start_child(words, output, messages);
+  std::optional<Exit> exit;
+  for (const auto end = std::chrono::steady_clock::now() + patience;
+       !(exit = exit_of(child)) && std::chrono::steady_clock::now() < end;) {
+    std::this_thread::sleep_for(10ms);
+  }
+  if (!exit) {
+    ::kill(child.pid, SIGKILL);
+    ::waitpid(child.pid, nullptr, 0);
+  }
+  const std::string printed = read_text(output), told = told_by(messages);
+  std::error_code none;
+  std::filesystem::remove(output, none);
+  std::filesystem::remove(messages, none);
+  if (!exit) {
+    throw Error(Fault::Resource, "this takes too long", "give less at once, or a faster disk");
+  }
+  require(exit->code == 0 && exit->signal == 0, "{}",
+          told.empty() ? fmt::format("it ended with code {}", exit->code) : told);
+  return printed;
+}
+
+std::string told_by(const std::filesystem::path& messages) {
+  std::string line = last_line(messages);
+  for (const std::string prefix : {"sanatrix: ", "error: "}) {
+    if (line.starts_with(prefix)) {
+      line.erase(0, prefix.size());
+    }
+  }
+  return line;
 }
 
 std::string last_line(const std::filesystem::path& file) {

@@ -7,6 +7,7 @@
 
 #include "body.hpp"
 #include "core/error.hpp"
+#include "surgery/place.hpp"
 #include "surgery/plan.hpp"
 
 namespace sanatrix::surgery {
@@ -198,6 +199,39 @@ TEST(AResection, ThatCannotBeIsRefused) {
   Plan thin = plan_at({0, -30 * mm, 0});
   thin.clearance = 30 * mm;
   EXPECT_THAT(refusal(thin, slab()), HasSubstr("nothing is left"));
+}
+
+TEST(AnAnatomy, ServesOnePlanAfterAnotherWithTheSameAnswers) {
+  Silent silent;
+  const Context ctx("surgery", silent);
+  const auto anatomy = std::make_shared<const Anatomy>(dome(), dome().points, midline);
+  Plan plan = plan_at({10 * mm, -25 * mm, 5 * mm});
+  for (const double margin : {5 * mm, 12 * mm, 5 * mm}) {
+    plan.margin = margin;
+    const Wound kept = resect(plan, anatomy, ctx), fresh = removed(plan, dome());
+    EXPECT_EQ(kept.fraction, fresh.fraction);
+    EXPECT_EQ(kept.exact_m3, fresh.exact_m3);
+    EXPECT_EQ(kept.incision_vertices, fresh.incision_vertices);
+  }
+}
+
+TEST(APlace, IsToldAsSeenByWhoFacesThePatient) {
+  const Vec3 nipple{80 * mm, -60 * mm, 10 * mm};
+  const Place left = place_of(nipple + Vec3{30 * mm, 20 * mm, 30 * mm}, nipple, Side::Left);
+  EXPECT_EQ(left.quadrant, "upper outer");
+  EXPECT_DOUBLE_EQ(left.clock_hour, 1.5);
+  EXPECT_NEAR(left.from_nipple_mm, std::sqrt(2200.0), 1e-9);
+  // The same direction is inner on the other side; the clock does not know sides.
+  const Place right = place_of(nipple + Vec3{30 * mm, 20 * mm, 30 * mm}, nipple, Side::Right);
+  EXPECT_EQ(right.quadrant, "upper inner");
+  EXPECT_DOUBLE_EQ(right.clock_hour, 1.5);
+  EXPECT_EQ(place_of(nipple + Vec3{-25 * mm, 0, -1 * mm}, nipple, Side::Right).quadrant,
+            "lower outer");
+  EXPECT_DOUBLE_EQ(place_of(nipple + Vec3{0, 0, 40 * mm}, nipple, Side::Left).clock_hour, 12.0);
+  EXPECT_DOUBLE_EQ(place_of(nipple + Vec3{-1 * mm, 0, 40 * mm}, nipple, Side::Left).clock_hour,
+                   12.0);
+  EXPECT_EQ(place_of(nipple + Vec3{5 * mm, 50 * mm, 5 * mm}, nipple, Side::Left).quadrant,
+            "central");
 }
 
 TEST(AnIncision, IsAPathAlongSkinEdgesOverTheResection) {
