@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t longest_name = 64, longest_plan_name = 120, kept_views = 6;
+constexpr std::size_t longest_name = 64, longest_plan_name = 120, kept_views = 4;
 /// Stages whose results do not depend on the plan.
 constexpr std::array plan_free{"10-image", "20-segment", "30-mesh", "40-unload", "50-supine"};
 

@@ -9,7 +9,6 @@
 
 #include <fcntl.h>
 #include <spawn.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -40,12 +39,9 @@ unsigned long long start_of(int pid) {
   return state == "Z" ? 0 : std::stoull(word);
 }
 
-/// When memory runs out the kernel should end the simulation, never the server; and while somebody
-/// plans, answers come before what is simulated. Threads that the child makes inherit both.
-void put_behind_the_server(int pid) {
-  constexpr int nice = 10;
+/// When memory runs out the kernel should end the simulation, never the server.
+void prefer_as_victim(int pid) {
   std::ofstream("/proc/" + std::to_string(pid) + "/oom_score_adj") << "600";
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(pid), nice);
 }
 
 class FileActions {
@@ -111,7 +107,7 @@ ProcessId start_child(const std::vector<std::string>& words, const std::filesyst
                 "check the free memory");
   }
   child.start = start_of(child.pid);
-  put_behind_the_server(child.pid);
+  prefer_as_victim(child.pid);
   return child;
 }
 

@@ -1,6 +1,7 @@
 // Step G: what the surgeon decides and what it removes. Pure geometry in one frame.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -119,12 +120,14 @@ class Resection {
   [[nodiscard]] Vec3 sample_point(double i, double j, double k) const;
   [[nodiscard]] bool in_piece(const Vec3& p) const;
 
-  /// Distance to a surface; remembers the last closest triangle, since queries come in rows.
+  /// Distance to a surface; remembers the last closest triangle, since queries come in rows. With a
+  /// field it is interpolated.
   struct Neighbour {
     const SurfaceTree* tree;
+    const DistanceField* field = nullptr;
     mutable int last = -1;
     [[nodiscard]] double distance(const Vec3& p, double reach) const {
-      return tree->distance(p, reach, last);
+      return field != nullptr ? std::min((*field)(p), reach) : tree->distance(p, reach, last);
     }
   };
   static constexpr double any_reach = std::numeric_limits<double>::infinity();

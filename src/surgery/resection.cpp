@@ -114,6 +114,11 @@ Resection::Resection(const Plan& plan, std::shared_ptr<const Anatomy> anatomy, D
       radius_(plan.radius.value_or(plan.tumour_radius + plan.margin)),
       clearance_(plan.clearance),
       detail_(detail) {
+  // Caps that are nearer to a surface than the field's cells are wide are measured.
+  if (detail == Detail::Live && clearance_ >= 1.6 * DistanceField::step) {
+    skin_tree_.field = &anatomy_->to_skin();
+    chest_tree_.field = &anatomy_->to_chest();
+  }
   const double midline_x_m = anatomy_->midline_x_m();
   require((centre_[0] > midline_x_m) == (plan.side == Side::Left),
           "surgery: operated_side is {} but the tumour at x = {:.1f} mm lies on the other side of "

@@ -215,6 +215,32 @@ TEST(AnAnatomy, ServesOnePlanAfterAnotherWithTheSameAnswers) {
   }
 }
 
+TEST(AnAnatomy, AnswersWhileSomebodyDragsWithinAPercent) {
+  Silent silent;
+  const Context ctx("surgery", silent);
+  for (const TetMesh* mesh : {&slab(), &dome()}) {
+    const auto anatomy = std::make_shared<const Anatomy>(*mesh, mesh->points, midline);
+    Plan plan = plan_at({5 * mm, -25 * mm, 5 * mm});
+    for (const double margin : {6 * mm, 10 * mm}) {
+      plan.margin = margin;
+      const Wound live = resect(plan, anatomy, ctx, Detail::Live),
+                  full = resect(plan, anatomy, ctx);
+      EXPECT_NEAR(live.excised_m3 / full.excised_m3, 1.0, 0.01);
+      EXPECT_NEAR(live.exact_m3 / full.exact_m3, 1.0, 0.01);
+      EXPECT_NEAR(live.min_skin_distance_m, full.min_skin_distance_m, 0.3 * mm);
+      EXPECT_NEAR(live.min_chest_distance_m, full.min_chest_distance_m, 0.3 * mm);
+    }
+    // The field against what it stands for, a clearance and more away from the skin.
+    for (int i = 0; i < 200; ++i) {
+      const Vec3 p{(i % 10 - 5) * 3.1 * mm, (-45 + i / 10 % 5 * 7.3) * mm, (i / 50 - 2) * 5.7 * mm};
+      const double d = anatomy->skin_tree().closest(p).distance;
+      if (d > 2 * DistanceField::step) {
+        EXPECT_NEAR(anatomy->to_skin()(p), d, 0.1 * mm);
+      }
+    }
+  }
+}
+
 TEST(APlace, IsToldAsSeenByWhoFacesThePatient) {
   const Vec3 nipple{80 * mm, -60 * mm, 10 * mm};
   const Place left = place_of(nipple + Vec3{30 * mm, 20 * mm, 30 * mm}, nipple, Side::Left);
