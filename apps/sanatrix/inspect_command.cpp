@@ -1,14 +1,17 @@
 // sanatrix inspect PATH: what is there and what would be chosen, without importing anything.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "commands.hpp"
 #include "pipeline/intake.hpp"
+#include "unpacked.hpp"
 
 namespace sanatrix::app {
 namespace {
 
 using nlohmann::json;
+namespace fs = std::filesystem;
 
 std::string numbers(const json& list, const char* between) {
   std::string text;
@@ -65,15 +68,20 @@ void add_inspect(CLI::App& app, Common& common, Command& chosen) {
   CLI::App* command = app.add_subcommand(
       "inspect",
       "Example: sanatrix inspect dicom-folder\n\n"
-      "Lists the series of a DICOM folder, or what an image file holds, and what `sanatrix new`\n"
+      "Lists the series of a DICOM folder or .zip, or what an image file holds, and what `sanatrix "
+      "new`\n"
       "would choose. Imports nothing and prints nothing that identifies the patient.");
-  command->add_option("PATH", given->path, "DICOM folder or image file")->required();
+  command->add_option("PATH", given->path, "DICOM folder, image file, or a .zip of these")
+      ->required();
   command->add_option("--series", given->series, "as if this series were asked for")
       ->check(CLI::Range(1, 100000));
   add_json(*command, common);
   command->callback([given, &common, &chosen] {
     chosen = [=, &common] {
-      const std::string found = pipeline::inspect_image(given->path, given->series);
+      // Unpacked where it may be removed again: the archive's own folder may be read-only.
+      Unpacked unpacked(fs::temp_directory_path() / fmt::format("inspect-{}", ::getpid()));
+      const std::string found =
+          pipeline::inspect_image(unpacked(given->path).value_or(""), given->series);
       fmt::print("{}{}", common.json ? found : text_of(json::parse(found)),
                  common.json ? "\n" : "");
       return 0;

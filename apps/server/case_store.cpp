@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t longest_name = 64, longest_plan_name = 120, kept_views = 6;
+constexpr std::size_t longest_name = 64, longest_plan_name = 120, kept_views = 4;
 /// Stages whose results do not depend on the plan.
 constexpr std::array plan_free{"10-image", "20-segment", "30-mesh", "40-unload", "50-supine"};
 
@@ -219,9 +219,10 @@ std::shared_ptr<const pipeline::CaseView> CaseStore::view(const pipeline::Case& 
   if (kept.view == nullptr || kept.stamp != stamp) {
     kept = {stamp, std::make_shared<const pipeline::CaseView>(patient)};
   }
+  kept.used = ++questions_;
   const auto view = kept.view;
-  while (views_.size() > kept_views) {
-    views_.erase(views_.begin()->first == name ? std::next(views_.begin()) : views_.begin());
+  if (views_.size() > kept_views) {
+    views_.erase(std::ranges::min_element(views_, {}, [](const auto& v) { return v.second.used; }));
   }
   return view;
 }

@@ -52,11 +52,13 @@ class CaseStore {
   struct Kept {
     std::string stamp;
     std::shared_ptr<const pipeline::CaseView> view;
+    unsigned long used = 0;  ///< when, in questions
   };
   std::filesystem::path root_;
   mutable std::mutex names_mutex_;
   std::mutex mutex_;
   std::map<std::string, Kept> views_;
+  unsigned long questions_ = 0;
 };
 
 /// Every file that finished stages list: [{stage, file, bytes}].

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -12,6 +13,8 @@
 #include <unistd.h>
 
 #include "core/error.hpp"
+#include "core/files.hpp"
+#include "guard.hpp"
 
 extern char** environ;
 
@@ -118,6 +121,43 @@ std::optional<Exit> exit_of(const ProcessId& child) {
     return Exit{.code = ended < 0 ? 6 : WEXITSTATUS(state)};
   }
   return Exit{.code = 4, .signal = WTERMSIG(state)};
+}
+
+std::string output_of(const std::vector<std::string>& words, const std::filesystem::path& folder,
+                      std::chrono::seconds patience) {
+  using namespace std::chrono_literals;
+  const std::string name = random_name();
+  const auto output = folder / (name + ".output"), messages = folder / (name + ".messages");
+  const ProcessId child = start_child(words, output, messages);
+  std::optional<Exit> exit;
+  for (const auto end = std::chrono::steady_clock::now() + patience;
+       !(exit = exit_of(child)) && std::chrono::steady_clock::now() < end;) {
+    std::this_thread::sleep_for(10ms);
+  }
+  if (!exit) {
+    ::kill(child.pid, SIGKILL);
+    ::waitpid(child.pid, nullptr, 0);
+  }
+  const std::string printed = read_text(output), told = told_by(messages);
+  std::error_code none;
+  std::filesystem::remove(output, none);
+  std::filesystem::remove(messages, none);
+  if (!exit) {
+    throw Error(Fault::Resource, "this takes too long", "give less at once, or a faster disk");
+  }
+  require(exit->code == 0 && exit->signal == 0, "{}",
+          told.empty() ? fmt::format("it ended with code {}", exit->code) : told);
+  return printed;
+}
+
+std::string told_by(const std::filesystem::path& messages) {
+  std::string line = last_line(messages);
+  for (const std::string prefix : {"sanatrix: ", "error: "}) {
+    if (line.starts_with(prefix)) {
+      line.erase(0, prefix.size());
+    }
+  }
+  return line;
 }
 
 std::string last_line(const std::filesystem::path& file) {

@@ -1,6 +1,7 @@
 // Child processes of this program: started without a shell, watched, stopped politely.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -27,6 +28,12 @@ ProcessId start_child(const std::vector<std::string>& words, const std::filesyst
                       const std::filesystem::path& messages);
 /// Nothing while the child lives.
 std::optional<Exit> exit_of(const ProcessId& child);
+/// What this program prints when it is asked with these words; files of ours go to `folder` and are
+/// removed. Error{Input} with its last line when it fails, Error{Resource} when it takes too long.
+std::string output_of(const std::vector<std::string>& words, const std::filesystem::path& folder,
+                      std::chrono::seconds patience);
+/// What a failed command says: its last line without the program's name.
+std::string told_by(const std::filesystem::path& messages);
 /// The last line of a file of messages, without trailing blanks; empty when there is none.
 std::string last_line(const std::filesystem::path& file);
 

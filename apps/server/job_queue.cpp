@@ -38,12 +38,7 @@ std::string reason_of(const Exit& exit, const fs::path& messages) {
         "is kept, and the case's run.log tells where it was",
         exit.signal);
   }
-  std::string line = last_line(messages);
-  for (const std::string prefix : {"sanatrix: ", "error: "}) {
-    if (line.starts_with(prefix)) {
-      line.erase(0, prefix.size());
-    }
-  }
+  const std::string line = told_by(messages);
   return line.empty() ? fmt::format("it ended with code {}", exit.code) : line;
 }
 
@@ -217,6 +212,20 @@ struct JobQueue::Impl {
     return false;
   }
 
+  /// What was uploaded for a job has done its service; it may show and name a person.
+  void forget_uploads(const Job& job) const {
+    const fs::path uploads = folder / "uploads";
+    for (const Step& step : job.steps) {
+      for (const std::string& word : step.words) {
+        const fs::path part = fs::path(word).lexically_relative(uploads);
+        if (!part.empty() && *part.begin() != ".." && *part.begin() != ".") {
+          std::error_code none;
+          fs::remove_all(uploads / *part.begin(), none);
+        }
+      }
+    }
+  }
+
   /// With the lock held.
   void end(StoredJob& stored, JobState state, int code, const std::string& message) {
     stored.process = {};
@@ -228,6 +237,9 @@ struct JobQueue::Impl {
       cancelled.clear();
     }
     changed(stored);
+    if (state == JobState::Done) {
+      forget_uploads(stored.job);
+    }
   }
 
   void finish(const std::string& id, JobState state, int code, const std::string& message) {

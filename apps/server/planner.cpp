@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "answers.hpp"
+#include "child.hpp"
 #include "client_files.hpp"
 #include "core/error.hpp"
 
@@ -33,6 +34,14 @@ std::string extension_of(const std::string& name) {
   }
   // Files of a DICOM series often have no extension, or digits and dots.
   return ".dcm";
+}
+
+/// Files of a scan name each other, so the page gives them names that say nothing; only those are
+/// kept.
+bool is_neutral(const std::string& name) {
+  static const std::regex form(
+      R"(scan\.obj|material-[0-9]{1,3}\.mtl|picture-[0-9]{1,3}\.(jpe?g|png))");
+  return std::regex_match(name, form);
 }
 
 /// A server-sent event.
@@ -72,6 +81,7 @@ Planner::Planner(CaseStore& cases, JobQueue& jobs, const Abilities& abilities)
   add("POST", "/api/jobs/{job}/resume", &Planner::resume_job);
   add("GET", "/api/events", &Planner::events);
   add("POST", "/api/uploads", &Planner::take_upload);
+  add("GET", "/api/uploads/{upload}/series", &Planner::list_series);
 }
 
 void Planner::add(const std::string& method, const std::string& pattern, Answer reply) {
@@ -113,12 +123,16 @@ std::optional<fs::path> Planner::upload_target(const Request& head) {
   const fs::path folder = cases_.own_folder() / "uploads" / id;
   std::error_code none;
   fs::create_directories(folder, none);
+  const std::string name = head.parameter("name");
+  if (is_neutral(name)) {
+    return folder / name;
+  }
   // A file that exists already makes the upload fail: a series has fewer files than this.
   if (std::distance(fs::directory_iterator(folder, none), fs::directory_iterator()) >=
       most_files_of_an_upload) {
     return folder;
   }
-  return folder / (random_name().substr(0, 8) + extension_of(head.parameter("name")));
+  return folder / (random_name().substr(0, 8) + extension_of(name));
 }
 
 Response Planner::answer(const Request& request) {
@@ -235,7 +249,22 @@ fs::path Planner::uploaded(const json& id) const {
   for (const auto& entry : fs::directory_iterator(folder)) {
     files.push_back(entry.path());
   }
-  return files.size() == 1 ? files[0] : folder;
+  // A scan's material and photographs lie beside it and are found from there.
+  const auto scan =
+      std::ranges::find(files, "scan.obj", [](const fs::path& f) { return f.filename(); });
+  return scan != files.end() ? *scan : files.size() == 1 ? files[0] : folder;
+}
+
+Response Planner::list_series(const Request&, const Parts& parts) {
+  using namespace std::chrono_literals;
+  // One at a time: each takes a thread of the few that answer.
+  const std::unique_lock alone(looking_, std::try_to_lock);
+  if (!alone) {
+    throw Error(Fault::Resource, "other images are being read", "wait a moment and choose again");
+  }
+  const std::string told =
+      output_of({"inspect", uploaded(parts[0]).string(), "--json"}, cases_.own_folder(), 120s);
+  return json_answer(json::parse(told));
 }
 
 }  // namespace sanatrix::server

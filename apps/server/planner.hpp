@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <mutex>
 #include <regex>
 
 #include "case_store.hpp"
@@ -66,6 +67,7 @@ class Planner final : public Handler {
   Response resume_job(const Request& request, const Parts& parts);
   Response events(const Request& request, const Parts& parts);
   Response take_upload(const Request& request, const Parts& parts);
+  Response list_series(const Request& request, const Parts& parts);
 
   [[nodiscard]] std::vector<Step> steps_of_new_case(const nlohmann::json& wish,
                                                     const std::string& id) const;
@@ -76,6 +78,7 @@ class Planner final : public Handler {
   Abilities abilities_;
   const Guard* guard_ = nullptr;
   std::vector<Route> routes_;
+  std::mutex looking_;  ///< into uploaded images
 };
 
 }  // namespace sanatrix::server

@@ -28,9 +28,12 @@ double number(const Request& request, const std::string& name) {
   return value;
 }
 
-bool is_density(const std::string& word) {
+/// Letter of BI-RADS for a class in words, as the built-in patient has them.
+std::string density_letter(const std::string& word) {
   constexpr std::array known{"fatty", "scattered", "heterogeneous", "dense"};
-  return std::ranges::find(known, word) != known.end();
+  const auto at = std::ranges::find(known, word);
+  require(at != known.end(), "there is no breast density \"{}\"", word);
+  return {"abcd"[at - known.begin()]};
 }
 
 json named(json summary, const std::string& name) {
@@ -111,10 +114,11 @@ std::vector<Step> Planner::steps_of_new_case(const json& wish, const std::string
       require(wish.contains("scan"), "a case needs an MRI, a label volume or a surface scan");
       make.insert(make.end(), {"--pose", "upright"});
       if (wish.contains("density")) {
-        const std::string density = wish["density"];
-        require(is_density(density), "there is no breast density \"{}\"", density);
-        make.insert(make.end(), {"--density", density});
+        make.insert(make.end(), {"--density", density_letter(wish["density"])});
       }
+    }
+    if (wish.contains("series")) {
+      make.insert(make.end(), {"--series", std::to_string(wish["series"].get<int>())});
     }
     if (wish.contains("labels_preset")) {
       make.insert(make.end(), {"--labels-preset", wish["labels_preset"].get<std::string>()});

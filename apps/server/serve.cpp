@@ -3,7 +3,6 @@
 #include <chrono>
 #include <csignal>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <fcntl.h>
@@ -21,20 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the program says about itself when asked with these words.
-std::string help_text(const std::vector<std::string>& words, const fs::path& folder) {
-  using namespace std::chrono_literals;
-  const ProcessId child = start_child(words, folder / "help.txt", folder / "help-messages.txt");
-  std::optional<Exit> exit;
-  for (int i = 0; i < 200 && !(exit = exit_of(child)); ++i) {
-    std::this_thread::sleep_for(50ms);
-  }
-  return exit && exit->code == 0 ? read_text(folder / "help.txt") : std::string();
-}
-
 Abilities abilities_of_this_build(const fs::path& folder) {
-  const std::string make = help_text({"new", "--help"}, folder),
-                    all = help_text({"--help"}, folder);
+  using namespace std::chrono_literals;
+  const std::string make = output_of({"new", "--help"}, folder, 20s),
+                    all = output_of({"--help"}, folder, 20s);
   return {.dicom = make.find("--series") != std::string::npos,
           .scan = make.find("--scan") != std::string::npos,
           .scan_only = make.find("--pose") != std::string::npos,

@@ -76,8 +76,8 @@ std::vector<std::uint8_t> breast_of(const meshing::BreastModel& model, const She
 
 void add_in_all_poses(Bundle& bundle, const std::string& name, std::span<const Vec3> points,
                       const std::string& from, const CaseView& view) {
-  for (const auto& [pose, unused] : view.poses()) {
-    bundle.add_mm(name + "." + pose, view.carry(points, from, pose));
+  for (const auto& [pose, carried] : view.carry_to_all(points, from)) {
+    bundle.add_mm(name + "." + pose, carried);
   }
 }
 
@@ -93,6 +93,18 @@ void add_surface(Bundle& bundle, const std::string& name, const TriMesh& surface
   add_in_all_poses(bundle, name, surface.points, from, view);
 }
 
+/// Incisions are paths along edges of the mesh; a scalpel does not go in zigzag.
+std::vector<Vec3> smoothed(std::vector<Vec3> line) {
+  constexpr int passes = 4;
+  for (int pass = 0; pass < passes; ++pass) {
+    const std::vector<Vec3> old = line;
+    for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+      line[i] = 0.25 * old[i - 1] + 0.5 * old[i] + 0.25 * old[i + 1];
+    }
+  }
+  return line;
+}
+
 /// Several lines as one array; "incision.lengths" tells where they part.
 void add_lines(Bundle& bundle, const std::string& name, const std::vector<std::vector<Vec3>>& lines,
                const std::string& from, const CaseView& view) {
@@ -100,7 +112,8 @@ void add_lines(Bundle& bundle, const std::string& name, const std::vector<std::v
   std::vector<Vec3> all;
   for (const auto& line : lines) {
     lengths.push_back(static_cast<std::uint32_t>(line.size()));
-    all.insert(all.end(), line.begin(), line.end());
+    const std::vector<Vec3> smooth = smoothed(line);
+    all.insert(all.end(), smooth.begin(), smooth.end());
   }
   bundle.add(name + ".lengths", lengths);
   add_in_all_poses(bundle, name, all, from, view);
@@ -133,8 +146,8 @@ void add_wound(Bundle& bundle, const pipeline::Case& patient, const CaseView& vi
 
 json in_poses(const Vec3& point, const std::string& from, const CaseView& view) {
   json result = json::object();
-  for (const auto& [pose, unused] : view.poses()) {
-    result[pose] = mm(view.carry(std::array<Vec3, 1>{point}, from, pose)[0]);
+  for (const auto& [pose, carried] : view.carry_to_all(std::array<Vec3, 1>{point}, from)) {
+    result[pose] = mm(carried[0]);
   }
   return result;
 }

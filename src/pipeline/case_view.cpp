@@ -1,9 +1,38 @@
 #include "pipeline/case_view.hpp"
 
 #include "core/error.hpp"
+#include "outcome/outcome.hpp"
 #include "pipeline/artefacts.hpp"
 
 namespace sanatrix::pipeline {
+namespace {
+
+using Places = std::vector<TetLocator::Place>;
+
+Places places_of(std::span<const Vec3> points, const surgery::Anatomy& anatomy) {
+  Places places;
+  places.reserve(points.size());
+  for (const Vec3& p : points) {
+    places.push_back(anatomy.body().nearest(p));
+  }
+  return places;
+}
+
+std::vector<Vec3> placed(const TetMesh& mesh, const Places& places, std::span<const Vec3> pose) {
+  std::vector<Vec3> result;
+  result.reserve(places.size());
+  for (const TetLocator::Place& place : places) {
+    const auto& cell = mesh.cells[static_cast<std::size_t>(place.cell)];
+    Vec3 q{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      q += place.barycentric[i] * pose[static_cast<std::size_t>(cell[i])];
+    }
+    result.push_back(q);
+  }
+  return result;
+}
+
+}  // namespace
 
 CaseView::CaseView(const Case& patient) {
   const auto file = [&](Stage stage, const char* name) {
@@ -14,6 +43,9 @@ CaseView::CaseView(const Case& patient) {
   }
   model_ = load_model(file(Stage::Mesh, "model.bin"));
   poses_["prone"] = model_.mesh.points;
+  const auto volumes = outcome::tissue_volumes(
+      model_.mesh, model_.mesh.points, model_.fibroglandular, model_.side, model_.in_breast);
+  breast_cm3_ = {volumes[0].breast_cm3, volumes[1].breast_cm3};
   const std::array<std::tuple<const char*, Stage, const char*>, 5> others{
       {{"unloaded", Stage::Unload, "shape.bin"},
        {"supine", Stage::Supine, "shape.bin"},
@@ -42,28 +74,30 @@ const std::vector<Vec3>& CaseView::pose(const std::string& name) const {
   return at->second;
 }
 
-const TetLocator& CaseView::locator(const std::string& name) const {
+std::shared_ptr<const surgery::Anatomy> CaseView::anatomy(const std::string& name) const {
   const std::scoped_lock lock(mutex_);
-  const auto [at, made] = locators_.try_emplace(name, model_.mesh, pose(name));
-  return at->second;
+  std::shared_ptr<const surgery::Anatomy>& kept = anatomies_[name];
+  if (kept == nullptr) {
+    kept = std::make_shared<const surgery::Anatomy>(model_.mesh, pose(name), model_.midline_x_m);
+  }
+  return kept;
 }
 
 std::vector<Vec3> CaseView::carry(std::span<const Vec3> points, const std::string& from,
                                   const std::string& to) const {
-  std::vector<Vec3> carried;
   if (from == to || points.empty()) {
     return {points.begin(), points.end()};
   }
-  const TetLocator& place_of = locator(from);
-  const std::vector<Vec3>& target = pose(to);
-  for (const Vec3& p : points) {
-    const TetLocator::Place place = place_of.nearest(p);
-    const auto& cell = model_.mesh.cells[static_cast<std::size_t>(place.cell)];
-    Vec3 q{};
-    for (std::size_t i = 0; i < 4; ++i) {
-      q += place.barycentric[i] * target[static_cast<std::size_t>(cell[i])];
-    }
-    carried.push_back(q);
+  return placed(model_.mesh, places_of(points, *anatomy(from)), pose(to));
+}
+
+std::map<std::string, std::vector<Vec3>> CaseView::carry_to_all(std::span<const Vec3> points,
+                                                                const std::string& from) const {
+  const auto places = places_of(points, *anatomy(from));
+  std::map<std::string, std::vector<Vec3>> carried;
+  for (const auto& [name, target] : poses_) {
+    carried[name] = name == from ? std::vector<Vec3>(points.begin(), points.end())
+                                 : placed(model_.mesh, places, target);
   }
   return carried;
 }

@@ -2,14 +2,16 @@
 // that can be carried from one pose to another.
 #pragma once
 
+#include <array>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
-#include "geometry/distance.hpp"
 #include "meshing/breast_mesh.hpp"
 #include "pipeline/case.hpp"
+#include "surgery/anatomy.hpp"
 
 namespace sanatrix::pipeline {
 
@@ -28,13 +30,20 @@ class CaseView {
   /// follow the nearest cell.
   [[nodiscard]] std::vector<Vec3> carry(std::span<const Vec3> points, const std::string& from,
                                         const std::string& to) const;
-  [[nodiscard]] const TetLocator& locator(const std::string& pose) const;
+  /// The same for every pose there is; each point is searched once.
+  [[nodiscard]] std::map<std::string, std::vector<Vec3>> carry_to_all(
+      std::span<const Vec3> points, const std::string& from) const;
+  /// Ready for plans and for carrying points; made when first needed, kept as long as the view.
+  [[nodiscard]] std::shared_ptr<const surgery::Anatomy> anatomy(const std::string& pose) const;
+  /// Of both breasts as imaged: [0] right, [1] left [cm3].
+  [[nodiscard]] const std::array<double, 2>& breast_cm3() const { return breast_cm3_; }
 
  private:
   meshing::BreastModel model_;
   std::map<std::string, std::vector<Vec3>> poses_;
-  mutable std::mutex mutex_;                            // of the locators
-  mutable std::map<std::string, TetLocator> locators_;  // made when first needed
+  std::array<double, 2> breast_cm3_{};
+  mutable std::mutex mutex_;  // of the anatomies
+  mutable std::map<std::string, std::shared_ptr<const surgery::Anatomy>> anatomies_;
 };
 
 std::string pose_of(surgery::Frame frame);  ///< "supine"

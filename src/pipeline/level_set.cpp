@@ -13,6 +13,12 @@ class March {
       : points_(points), field_(field), level_(level) {}
 
   void visit(const std::array<int, 4>& cell) {
+    const auto is_above = [this](int vertex) {
+      return value(vertex) > 0;
+    };
+    if (std::ranges::all_of(cell, is_above) || std::ranges::none_of(cell, is_above)) {
+      return;  // most cells
+    }
     std::vector<int> above, below;
     for (const int vertex : cell) {
       (value(vertex) > 0 ? above : below).push_back(vertex);

@@ -1,11 +1,8 @@
 #include "pipeline/plan_preview.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "core/error.hpp"
-#include "outcome/outcome.hpp"
 #include "pipeline/body.hpp"
 #include "pipeline/level_set.hpp"
 #include "surgery/incision.hpp"
@@ -14,8 +11,6 @@ namespace sanatrix::pipeline {
 namespace {
 
 constexpr double mm = 1e-3;
-/// Half of a usual areola: behind it a tumour is called central.
-constexpr double central_mm = 20.0;
 
 double excised_mass_g(const surgery::Wound& wound, const meshing::BreastModel& model,
                       std::span<const Vec3> points, const mechanics::TissuePreset& tissue) {
@@ -32,29 +27,14 @@ double excised_mass_g(const surgery::Wound& wound, const meshing::BreastModel& m
   return 1e3 * kg;
 }
 
-}  // namespace
-
-TumourPlace tumour_place(const surgery::Plan& plan, const CaseView& view) {
-  const meshing::BreastModel& model = view.model();
-  // Quadrants are meant on the standing patient; before that pose exists, on the imaged one.
-  const std::string standing = view.has("before") ? "before" : "prone";
-  const bool left = plan.side == surgery::Side::Left;
+surgery::Place place_as_imaged(const surgery::Plan& plan, const CaseView& view) {
   const Vec3 centre =
-      view.carry(std::array<Vec3, 1>{plan.tumour_centre}, pose_of(plan.frame), standing)[0];
-  const int nipple_vertex = model.nipple_vertex[left ? 1 : 0];
-  const Vec3 from_nipple = centre - view.pose(standing)[static_cast<std::size_t>(nipple_vertex)];
-  const double outwards = (left ? 1.0 : -1.0) * from_nipple[0], up = from_nipple[2];
-  TumourPlace place;
-  place.from_nipple_mm = norm(from_nipple) / mm;
-  const double frontal_mm = std::hypot(outwards, up) / mm;
-  place.quadrant = frontal_mm < central_mm ? "central"
-                                           : std::string(up > 0.0 ? "upper " : "lower ") +
-                                                 (outwards > 0.0 ? "outer" : "inner");
-  // Facing the patient, her left is on the right hand: three o'clock.
-  const double angle = std::atan2(from_nipple[0], up) * 6.0 / std::numbers::pi;
-  place.clock_hour = angle < 0.0 ? angle + 12.0 : angle;
-  return place;
+      view.carry(std::array<Vec3, 1>{plan.tumour_centre}, pose_of(plan.frame), "prone")[0];
+  const int nipple = view.model().nipple_vertex[plan.side == surgery::Side::Left ? 1 : 0];
+  return surgery::place_of(centre, view.pose("prone")[static_cast<std::size_t>(nipple)], plan.side);
 }
+
+}  // namespace
 
 std::vector<Vec3> usual_incision(const std::string& kind, const surgery::Plan& plan,
                                  const CaseView& view) {
@@ -63,7 +43,7 @@ std::vector<Vec3> usual_incision(const std::string& kind, const surgery::Plan& p
   const std::vector<Vec3>& points = view.pose(pose_of(plan.frame));
   const bool left = plan.side == surgery::Side::Left;
   const Vec3 nipple = points[static_cast<std::size_t>(model.nipple_vertex[left ? 1 : 0])];
-  const surgery::Resection resection(plan, model.mesh, points, model.midline_x_m,
+  const surgery::Resection resection(plan, view.anatomy(pose_of(plan.frame)),
                                      surgery::Detail::Live);
   const Vec3 entry = resection.skin_point();
   if (kind == "circumareolar") {
@@ -96,13 +76,11 @@ PlanPreview preview(const surgery::Plan& plan, const CaseView& view, const Param
   const std::vector<Vec3>& points = view.pose(pose_of(plan.frame));
   Silent silent;
   PlanPreview answer;
-  answer.wound = surgery::resect(plan, model.mesh, points, model.midline_x_m,
-                                 Context("preview", silent), detail);
+  answer.wound =
+      surgery::resect(plan, view.anatomy(pose_of(plan.frame)), Context("preview", silent), detail);
   answer.excised_g = excised_mass_g(answer.wound, model, points, tissue_values(parameters));
-  const auto volumes = outcome::tissue_volumes(model.mesh, model.mesh.points, model.fibroglandular,
-                                               model.side, model.in_breast);
-  answer.breast_cm3 = volumes[plan.side == surgery::Side::Left ? 1 : 0].breast_cm3;
-  answer.place = tumour_place(plan, view);
+  answer.breast_cm3 = view.breast_cm3()[plan.side == surgery::Side::Left ? 1 : 0];
+  answer.place = place_as_imaged(plan, view);
   answer.surface =
       level_set(model.mesh, points, to_vertices(model.mesh, points, answer.wound.fraction), 0.5);
   for (const std::vector<int>& line : answer.wound.incision_vertices) {

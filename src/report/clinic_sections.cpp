@@ -192,8 +192,9 @@ std::string plan_section(const Findings& f, const fs::path& outcome) {
       "{}&nbsp;o'clock, {:.0f}&nbsp;mm from the nipple (position of the image). A cylinder of "
       "{:.0f}&nbsp;mm radius from chest wall to skin, planned margin {:.0f}&nbsp;mm; it keeps "
       "{:.1f}&nbsp;mm from the skin and {:.1f}&nbsp;mm from the chest wall.</p>",
-      p.side, p.quadrant, p.quadrant == "central" ? "" : " quadrant", hour(p.clock),
-      p.from_nipple_mm, p.radius_mm, p.margin_mm, p.skin_mm, p.chest_mm);
+      p.side, p.place.quadrant, p.place.quadrant == "central" ? "" : " quadrant",
+      hour(p.place.clock_hour), p.place.from_nipple_mm, p.radius_mm, p.margin_mm, p.skin_mm,
+      p.chest_mm);
   if (!f.result.plan.quadrant.empty()) {
     html += fmt::format("<p class=\"quiet\">The plan itself says: {}.</p>",
                         escaped(f.result.plan.quadrant));

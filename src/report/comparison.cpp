@@ -35,8 +35,9 @@ std::string plans(const std::vector<Findings>& cases) {
     html += row(cases, what, [&](const Findings& f) { return value(in_words(f)); });
   };
   add("breast", [](const PlanInWords& p) { return "patient's " + p.side; });
-  add("place", [](const PlanInWords& p) { return p.quadrant; });
-  add("from the nipple [mm]", [](const PlanInWords& p) { return shown(p.from_nipple_mm, 0); });
+  add("place", [](const PlanInWords& p) { return p.place.quadrant; });
+  add("from the nipple [mm]",
+      [](const PlanInWords& p) { return shown(p.place.from_nipple_mm, 0); });
   add("radius [mm]", [](const PlanInWords& p) { return shown(p.radius_mm); });
   add("margin [mm]", [](const PlanInWords& p) { return shown(p.margin_mm); });
   add("removed [cm&sup3;]", [](const PlanInWords& p) { return shown(p.excised_cm3); });

@@ -1,8 +1,5 @@
 #include "report/findings.hpp"
 
-#include <cmath>
-#include <numbers>
-
 #include "core/error.hpp"
 #include "core/files.hpp"
 #include "pipeline/body.hpp"
@@ -38,27 +35,34 @@ Findings find(const pipeline::Case& patient, const Context& ctx) {
   return f;
 }
 
+namespace {
+
+surgery::Place place_as_imaged(const pipeline::CaseResult& r) {
+  const TetMesh& mesh = r.model.mesh;
+  Vec3 centre = r.plan.tumour_centre;
+  if (r.plan.frame == surgery::Frame::Supine) {
+    const TetLocator::Place at = TetLocator(mesh, r.points(r.supine)).nearest(centre);
+    centre = {};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const int vertex = mesh.cells[static_cast<std::size_t>(at.cell)][k];
+      centre += at.barycentric[k] * mesh.points[static_cast<std::size_t>(vertex)];
+    }
+  }
+  const bool left = r.side() > 0;
+  const auto nipple = static_cast<std::size_t>(r.model.nipple_vertex[left ? 1 : 0]);
+  return surgery::place_of(centre, mesh.points[nipple],
+                           left ? surgery::Side::Left : surgery::Side::Right);
+}
+
+}  // namespace
+
 PlanInWords in_words(const Findings& f) {
   const pipeline::CaseResult& r = f.result;
   PlanInWords words;
   const int side = r.side();
   words.side = side > 0 ? "LEFT" : "RIGHT";
   const bool supine = r.plan.frame == surgery::Frame::Supine;
-  const std::span<const Vec3> pose =
-      supine ? r.points(r.supine) : std::span<const Vec3>(r.model.mesh.points);
-  const Vec3 nipple = pose[static_cast<std::size_t>(r.model.nipple_vertex[side > 0 ? 1 : 0])];
-  const Vec3 from = r.plan.tumour_centre - nipple;
-  // Whoever faces the patient sees her left on the right hand: three o'clock is her left.
-  double hours = std::atan2(from[0], from[2]) * 6 / std::numbers::pi;
-  hours = std::round(2 * hours) / 2;
-  words.clock = hours <= 0 ? hours + 12 : hours;
-  words.from_nipple_mm = 1e3 * norm(from);
-  constexpr double central_m = 0.02;
-  const bool outer = side * from[0] > 0;
-  words.quadrant =
-      std::hypot(from[0], from[2]) < central_m
-          ? "central"
-          : fmt::format("{} {}", from[2] > 0 ? "upper" : "lower", outer ? "outer" : "inner");
+  words.place = place_as_imaged(r);
   words.margin_mm = 1e3 * r.plan.margin;
   words.radius_mm = 1e3 * r.plan.radius.value_or(r.plan.tumour_radius + r.plan.margin);
   words.excised_cm3 = 1e6 * r.wound.excised_m3;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/cosmetics.hpp"
+#include "surgery/place.hpp"
 
 namespace sanatrix::report {
 
@@ -20,10 +21,8 @@ Findings find(const pipeline::Case& patient, const Context& ctx);
 
 /// The resection as a surgeon says it.
 struct PlanInWords {
-  std::string side;           ///< "LEFT"
-  std::string quadrant;       ///< "upper outer" by position, "central" within 20 mm of the nipple
-  double clock = 0.0;         ///< 0.5 .. 12, as seen by someone who faces her
-  double from_nipple_mm = 0;  ///< straight, in the imaging pose
+  std::string side;  ///< "LEFT"
+  surgery::Place place;
   double margin_mm = 0, radius_mm = 0, excised_cm3 = 0, excised_g = 0, excised_percent = 0;
   double skin_mm = 0, chest_mm = 0;
 };

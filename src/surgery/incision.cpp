@@ -12,20 +12,9 @@ namespace {
 
 using Neighbours = std::vector<std::vector<int>>;
 
-Neighbours neighbours(const TriMesh& surface) {
-  Neighbours result(surface.points.size());
-  for (const auto& t : surface.triangles) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      result[t[i]].push_back(t[(i + 1) % 3]);
-      result[t[(i + 1) % 3]].push_back(t[i]);
-    }
-  }
-  return result;
-}
-
 int nearest_vertex(const TriMesh& surface, const Vec3& p) {
   const auto nearer = [&p](const Vec3& a, const Vec3& b) {
-    return norm(a - p) < norm(b - p);
+    return dot(a - p, a - p) < dot(b - p, b - p);
   };
   return static_cast<int>(std::ranges::min_element(surface.points, nearer) -
                           surface.points.begin());
@@ -126,8 +115,9 @@ std::vector<Vec3> inframammary_incision(std::span<const Vec3> breast_skin, const
   return line;
 }
 
-std::vector<int> path_on_skin(const Surface& skin, std::span<const Vec3> polyline) {
-  const Neighbours near = neighbours(skin.mesh);
+std::vector<int> path_on_skin(const Anatomy& anatomy, std::span<const Vec3> polyline) {
+  const Surface& skin = anatomy.skin();
+  const Neighbours& near = anatomy.skin_edges();
   constexpr double step = 2e-3;  // below the finest skin edges, so that the path follows the line
   std::vector<int> path;
   for (std::size_t i = 0; i < polyline.size(); ++i) {

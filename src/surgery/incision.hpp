@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/tri_mesh.hpp"
+#include "surgery/anatomy.hpp"
 
 namespace sanatrix::surgery {
 
@@ -25,6 +25,6 @@ std::vector<Vec3> inframammary_incision(std::span<const Vec3> breast_skin, const
 
 /// Shortest edge path that joins the skin vertices nearest to the points of a polyline, which is
 /// sampled finely first. Vertices of the mesh, without repetitions.
-std::vector<int> path_on_skin(const Surface& skin, std::span<const Vec3> polyline);
+std::vector<int> path_on_skin(const Anatomy& anatomy, std::span<const Vec3> polyline);
 
 }  // namespace sanatrix::surgery

@@ -64,7 +64,7 @@ Resection::Sample Resection::sample(const std::array<int, 3>& at, const Sample& 
   if (f >= 0.0) {
     return result;
   }
-  if (!body_.locate(p)) {
+  if (!anatomy_->body().locate(p)) {
     meets_clip_planes_ = true;
     return result;
   }
@@ -178,7 +178,7 @@ void Resection::measure_cell(const std::array<int, 3>& low, Measure& sum) const 
     const double f = shape(p, caps);
     // The share of a small cube below a plane at distance f, taken as linear across its width.
     const double share = std::clamp(0.5 - f / small, 0.0, 1.0);
-    if (share == 0.0 || (meets_clip_planes_ && !body_.locate(p))) {
+    if (share == 0.0 || (meets_clip_planes_ && !anatomy_->body().locate(p))) {
       continue;
     }
     sum.volume_m3 += share * small * small * small;

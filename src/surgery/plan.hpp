@@ -1,14 +1,15 @@
 // Step G: what the surgeon decides and what it removes. Pure geometry in one frame.
 #pragma once
 
+#include <algorithm>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/context.hpp"
-#include "geometry/distance.hpp"
-#include "geometry/tet_mesh.hpp"
+#include "surgery/anatomy.hpp"
 
 namespace sanatrix::surgery {
 
@@ -63,9 +64,9 @@ enum class Detail { Full, Live };
 /// that holds the tumour. docs/theory/surgery.md
 class Resection {
  public:
-  /// The mesh's skin and chest boundaries at `points`, the pose of plan.frame. Error{Input} when
-  /// the tumour is outside the model, on the wrong side of the midline, or nothing is left between
-  /// the two clearances.
+  /// The anatomy in the pose of plan.frame. Error{Input} when the tumour is outside the model, on
+  /// the wrong side of the midline, or nothing is left between the two clearances.
+  Resection(const Plan& plan, std::shared_ptr<const Anatomy> anatomy, Detail detail = Detail::Full);
   Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points, double midline_x_m,
             Detail detail = Detail::Full);
   /// Negative inside; |value| is close to the distance near the surface [m].
@@ -95,7 +96,7 @@ class Resection {
   [[nodiscard]] double shape(const Vec3& p, Caps caps) const;
   [[nodiscard]] double value(const Vec3& p, Caps caps) const;
   [[nodiscard]] double cut_share(const std::array<Vec3, 4>& t, int n, Caps caps) const;
-  void place_axis(const Plan& plan, const TriMesh& skin, const TriMesh& chest);
+  void place_axis(const Plan& plan);
   void place_outline(const Plan& plan);
   [[nodiscard]] std::vector<std::array<double, 2>> sector(const Segment& segment) const;
   void fill_piece();
@@ -119,18 +120,20 @@ class Resection {
   [[nodiscard]] Vec3 sample_point(double i, double j, double k) const;
   [[nodiscard]] bool in_piece(const Vec3& p) const;
 
-  /// Distance to a surface; remembers the last closest triangle, since queries come in rows.
+  /// Distance to a surface; remembers the last closest triangle, since queries come in rows. With a
+  /// field it is interpolated.
   struct Neighbour {
-    SurfaceTree tree;
+    const SurfaceTree* tree;
+    const DistanceField* field = nullptr;
     mutable int last = -1;
     [[nodiscard]] double distance(const Vec3& p, double reach) const {
-      return tree.distance(p, reach, last);
+      return field != nullptr ? std::min((*field)(p), reach) : tree->distance(p, reach, last);
     }
   };
   static constexpr double any_reach = std::numeric_limits<double>::infinity();
 
+  std::shared_ptr<const Anatomy> anatomy_;
   Neighbour skin_tree_, chest_tree_;
-  TetLocator body_;
   Vec3 axis_{}, chest_{}, skin_{}, centre_{};
   double radius_ = 0.0, clearance_ = 0.0, blend_ = 0.0;
   std::vector<std::array<double, 2>> outline_;  // across the axis, empty for cylinders
@@ -147,6 +150,8 @@ struct Wound {
   std::vector<std::vector<int>> incision_vertices;  ///< skin vertices along each incision line
   std::vector<std::string> warnings;
 };
+Wound resect(const Plan& plan, std::shared_ptr<const Anatomy> anatomy, const Context& ctx,
+             Detail detail = Detail::Full);
 Wound resect(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
              double midline_x_m, const Context& ctx, Detail detail = Detail::Full);
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "core/error.hpp"
 #include "surgery/plan.hpp"
@@ -43,12 +44,6 @@ double polygon_distance(const std::vector<std::array<double, 2>>& polygon, doubl
 
 std::string in_mm(const Vec3& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p[0] / mm, p[1] / mm, p[2] / mm);
-}
-
-TriMesh boundary(const TetMesh& mesh, std::span<const Vec3> points, const std::string& name) {
-  TriMesh surface = extract_surface(mesh, points, {name}).mesh;
-  require(!surface.triangles.empty(), "surgery: the model has no boundary named \"{}\"", name);
-  return surface;
 }
 
 /// Unit direction into the body: chest faces around `foot`, whose outward normals point backwards.
@@ -109,23 +104,32 @@ double share_below_zero(std::array<double, 4> f) {
 
 Resection::Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
                      double midline_x_m, Detail detail)
-    : skin_tree_{SurfaceTree(boundary(mesh, points, "skin"))},
-      chest_tree_{SurfaceTree(boundary(mesh, points, "chest"))},
-      body_(mesh, points),
+    : Resection(plan, std::make_shared<const Anatomy>(mesh, points, midline_x_m), detail) {}
+
+Resection::Resection(const Plan& plan, std::shared_ptr<const Anatomy> anatomy, Detail detail)
+    : anatomy_(std::move(anatomy)),
+      skin_tree_{&anatomy_->skin_tree()},
+      chest_tree_{&anatomy_->chest_tree()},
       centre_(plan.tumour_centre),
       radius_(plan.radius.value_or(plan.tumour_radius + plan.margin)),
       clearance_(plan.clearance),
       detail_(detail) {
+  // Caps that are nearer to a surface than the field's cells are wide are measured.
+  if (detail == Detail::Live && clearance_ >= 1.6 * DistanceField::step) {
+    skin_tree_.field = &anatomy_->to_skin();
+    chest_tree_.field = &anatomy_->to_chest();
+  }
+  const double midline_x_m = anatomy_->midline_x_m();
   require((centre_[0] > midline_x_m) == (plan.side == Side::Left),
           "surgery: operated_side is {} but the tumour at x = {:.1f} mm lies on the other side of "
           "the model's midline at {:.1f} mm",
           plan.side == Side::Left ? "L" : "R", centre_[0] / mm, midline_x_m / mm);
-  if (!body_.locate(centre_)) {
+  if (!anatomy_->body().locate(centre_)) {
     throw Error(Fault::Input,
                 "surgery: the tumour centre " + in_mm(centre_) + " is outside the breast model",
                 "check tumour.centre_lps_mm (LPS millimetres) and the plan's frame");
   }
-  place_axis(plan, boundary(mesh, points, "skin"), boundary(mesh, points, "chest"));
+  place_axis(plan);
   place_outline(plan);
   const double room = norm(skin_ - chest_) - 2.0 * clearance_;
   require(room > 0.0,
@@ -136,8 +140,9 @@ Resection::Resection(const Plan& plan, const TetMesh& mesh, std::span<const Vec3
   fill_piece();
 }
 
-void Resection::place_axis(const Plan& plan, const TriMesh& skin, const TriMesh& chest) {
-  const Vec3 foot = chest_tree_.tree.closest(centre_).point;
+void Resection::place_axis(const Plan& plan) {
+  const TriMesh &skin = anatomy_->skin().mesh, &chest = anatomy_->chest().mesh;
+  const Vec3 foot = anatomy_->chest_tree().closest(centre_).point;
   axis_ = plan.axis ? normalised(*plan.axis) : smoothed_chest_normal(chest, foot);
   const auto up = first_hit(skin, centre_, axis_);
   if (!up) {

@@ -56,7 +56,14 @@ std::vector<std::string> margin_warnings(const Plan& plan, const Resection& rese
 Wound resect(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points,
              double midline_x_m, const Context& ctx, Detail detail) {
   ctx.at(0.0, "placing the resection");
-  const Resection resection(plan, mesh, points, midline_x_m, detail);
+  return resect(plan, std::make_shared<const Anatomy>(mesh, points, midline_x_m), ctx, detail);
+}
+
+Wound resect(const Plan& plan, std::shared_ptr<const Anatomy> anatomy, const Context& ctx,
+             Detail detail) {
+  const TetMesh& mesh = anatomy->mesh();
+  const std::span<const Vec3> points = anatomy->points();
+  const Resection resection(plan, anatomy, detail);
   ctx.at(0.3, "marking the removed tissue");
   Wound wound;
   wound.fraction.reserve(mesh.cells.size());
@@ -81,9 +88,8 @@ Wound resect(const Plan& plan, const TetMesh& mesh, std::span<const Vec3> points
     lines.push_back(default_incision(resection.skin_point(), resection.axis_towards_skin(),
                                      resection.radius()));
   }
-  const Surface skin = extract_surface(mesh, points, {"skin"});
   for (const auto& line : lines) {
-    wound.incision_vertices.push_back(path_on_skin(skin, line));
+    wound.incision_vertices.push_back(path_on_skin(*anatomy, line));
   }
   ctx.at(1.0, fmt::format("{:.1f} cm3 removed", wound.excised_m3 * 1e6));
   return wound;

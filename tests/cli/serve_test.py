@@ -16,9 +16,12 @@ import unittest
 import warnings
 import zipfile
 
+from dicom_files import Series
+from scan_only_test import write_scan
 from sanatrix_cli import (CliTest, ENVIRONMENT, QUICK, binary, main, outcome_of, sanatrix,
                           write_patient)
 
+MARKUP = "<img src=x onerror=alert(1)>"
 QUICK_SET = {word.split("=")[0]: word.split("=")[1] for word in QUICK if "=" in word}
 
 
@@ -66,6 +69,19 @@ class Server:
             if line.startswith("VmRSS"):
                 return int(line.split()[1]) / 1024
         raise AssertionError("the server is gone")
+
+    def cpu_ms(self):
+        """What the server itself has computed, without its children."""
+        fields = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
+        return 1e3 * (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def upload(self, files):
+        """One upload of [(name, bytes)]."""
+        batch = ""
+        for name, content in files:
+            answer = self.ask("POST", f"/api/uploads?name={name}&batch={batch}", content)
+            batch = json.loads(answer.body)["upload"]
+        return batch
 
     def health_ms(self):
         start = time.monotonic()
@@ -215,7 +231,14 @@ class Refuses(CliTest):
                 s = socket.create_connection(("127.0.0.1", self.server.port), timeout=5)
                 s.sendall(b"GET / HTTP/1.1\r\n" if i % 2 else b"")
                 open_ones.append(s)
-            slowest = max(self.server.health_ms() for _ in range(5))
+            slowest = 0.0
+            for _ in range(5):
+                for s in open_ones[-64:]:  # headers that never end, a byte at a time
+                    try:
+                        s.send(b"x")
+                    except OSError:
+                        pass  # closed to make room
+                slowest = max(slowest, self.server.health_ms())
             print(f"health under 1000 idle connections: {slowest:.0f} ms at most", flush=True)
             self.assertLess(slowest, 2000)  # 100 ms on a quiet machine; CI shares its cores
             self.assertLess(self.server.memory_mb() - before, 30)
@@ -232,6 +255,41 @@ class Refuses(CliTest):
             answer = self.server.ask("POST", f"/api/uploads?name={name}", b"data")
             self.assertEqual(answer.status, 201)
         self.assertEqual(list(self.cases.rglob("*.sh")), [])
+
+    def test_names_of_scans_are_kept_only_when_they_say_nothing(self):
+        upload = self.server.upload([("scan.obj", b"v"), ("material-1.mtl", b"m"), ("her.jpg", b"j"),
+                                     ("picture-1.jpg", b"j"), ("scan.obj.exe", b"x")])
+        names = {p.name for p in (self.cases / ".planner/uploads" / upload).iterdir()}
+        self.assertEqual(len(names), 5)
+        self.assertLess({"scan.obj", "material-1.mtl", "picture-1.jpg"}, names)
+        self.assertFalse(names & {"her.jpg", "scan.obj.exe"})
+
+    def test_a_dicom_upload_tells_its_series_before_a_case_is_made(self):
+        study = self.folder / "study"
+        stack = Series(lambda x, y, z: 1, slices=24)
+        stack.write(study / "a")
+        scout = Series(lambda x, y, z: 1, slices=3, spacing=40.0)
+        scout.number, scout.uid = 1, "1.2.3.100"
+        scout.write(study / "b")
+        files = sorted(study.rglob("*.dcm"))
+        as_folder = self.server.upload([("x.dcm", f.read_bytes()) for f in files])
+        packed = zipped({str(f.relative_to(study)): f.read_bytes() for f in files})
+        for upload in (as_folder, self.server.upload([("study.zip", packed)])):
+            told = self.server.json("GET", f"/api/uploads/{upload}/series")
+            self.assertEqual([s["chosen"] for s in told["series"]], [False, True])
+            self.assertIn("localizer", told["series"][0]["not_chosen_because"])
+        # What was chosen by hand reaches `new`, which says why it is a bad choice.
+        made = self.server.json("POST", "/api/cases", {"name": "by-hand", "image": as_folder, "series": 9})
+        job = self.server.wait_for(made["job"])
+        self.assertEqual((job["state"], job["step"]), ("failed", 0))
+        self.assertIn("series", job["message"])
+        for hostile in (zipped({"../x.dcm": b"x"}), b"no image at all"):
+            upload = self.server.upload([("x.zip", hostile)])
+            answer = self.server.ask("GET", f"/api/uploads/{upload}/series")
+            self.assertEqual(answer.status, 400)
+            self.assertNotIn(str(self.cases), answer.body.decode())
+        self.assertEqual(self.server.ask("GET", "/api/uploads/..%2f..%2fetc/series").status, 404)
+        self.assertEqual(self.server.ask("GET", f"/api/uploads/{32 * '0'}/series").status, 400)
 
     def fate_of(self, archive, name):
         """What becomes of a case whose image is this zip file; nothing may appear anywhere."""
@@ -271,10 +329,9 @@ class Refuses(CliTest):
         (case / "case.json").write_text(json.dumps(
             {"format": "sanatrix-case", "version": 1, "pseudonym": "p", "label_preset": "sanatrix",
              "inputs": {}, "parameters": {}}))
-        markup = "<img src=x onerror=alert(1)>"
-        self.server.json("POST", "/api/cases/named/name", {"name": markup})
+        self.server.json("POST", "/api/cases/named/name", {"name": MARKUP})
         answer = self.server.ask("GET", "/api/cases/named")
-        self.assertEqual(json.loads(answer.body)["plan_name"], markup)
+        self.assertEqual(json.loads(answer.body)["plan_name"], MARKUP)
         self.assertEqual(answer.headers["Content-Type"], "application/json")
         self.assertEqual(answer.headers["X-Content-Type-Options"], "nosniff")
         self.assertEqual([p.name for p in case.iterdir()], ["case.json"])
@@ -380,16 +437,42 @@ class Works(CliTest):
 
     def create(self):
         uploads = {}
+        marked = json.loads(self.plan.read_text())
+        marked["quadrant"] = marked["tumour"]["label"] = MARKUP
         packed = zipped({"scan of today/" + self.labels.name: self.labels.read_bytes(),
                          "__MACOSX/._x.nii.gz": b"clutter"})
         for name, file, content in (("labels", "labels.zip", packed),
-                                    ("plan", "plan.json", self.plan.read_bytes())):
+                                    ("plan", "plan.json", json.dumps(marked).encode())):
             answer = self.server.ask("POST", f"/api/uploads?name={file}", content)
             uploads[name] = json.loads(answer.body)["upload"]
         made = self.server.json("POST", "/api/cases", {"name": "small", "set": QUICK_SET, **uploads})
         job = self.server.wait_for(made["job"])
         self.assertEqual(job["state"], "done", job)
+        for upload in uploads.values():  # it may show and name a person
+            self.assertFalse((self.cases / ".planner/uploads" / upload).exists(), "uploads stay")
         return made["case"]
+
+    def test_a_photographed_scan_alone_becomes_a_case(self):
+        scan = self.folder / "torso.obj"
+        write_scan(scan)
+        lines = scan.read_text().splitlines()
+        textured = "\n".join(["mtllib material-1.mtl", "usemtl skin", "vt 0 0", "vt 1 0", "vt 0 1"] + [
+            " ".join(["f", *(f"{v}/{k + 1}" for k, v in enumerate(line.split()[1:]))])
+            if line.startswith("f ") else line for line in lines])
+        picture = bytes.fromhex(  # 2 x 2 pixels of skin
+            "89504e470d0a1a0a0000000d49484452000000020000000208020000" "00fdd49a73"
+            "0000001049444154789c633830a101881820140033ce07419d96963a" "0000000049454e44ae426082")
+        upload = self.server.upload([
+            ("scan.obj", textured.encode()), ("picture-1.png", picture),
+            ("material-1.mtl", b"newmtl skin\nKd 1 1 1\nmap_Kd picture-1.png\n")])
+        made = self.server.json("POST", "/api/cases", {
+            "name": "standing", "scan": upload, "density": "heterogeneous", "set": QUICK_SET})
+        job = self.server.wait_for(made["job"])
+        self.assertEqual(job["state"], "done", job)
+        told = self.server.json("GET", f"/api/cases/{made['case']}")
+        self.assertTrue(told["photograph"])
+        self.assertEqual(told["parameters"]["segment.density"], "c")
+        self.assertEqual(self.server.ask("GET", f"/api/cases/{made['case']}/scene").status, 200)
 
     def test_a_killed_server_loses_no_job_and_the_result_is_the_same(self):
         case = self.create()
@@ -415,6 +498,8 @@ class Works(CliTest):
         self.server = Server(self.cases)
         self.assertEqual(self.server.wait_for(job)["state"], "done")
         self.assertEqual(outcome_of(self.cases / case), outcome_of(self.cases / other))
+        for page in (self.cases / case).rglob("*.html"):  # what a plan says never becomes markup
+            self.assertNotIn("<img src=x", page.read_text(), page)
 
     def test_live_numbers_are_those_of_the_stage_and_follow_the_plan(self):
         case = self.create()
@@ -435,7 +520,15 @@ class Works(CliTest):
         record = json.loads((self.cases / case / "stages/60-surgery/stage.json").read_text())
         self.assertAlmostEqual(full["excised_cm3"], record["numbers"]["excised_cm3"], places=6)
         live, milliseconds = ask(plan, "live")
-        print(f"live numbers of a plan: {milliseconds:.0f} ms", flush=True)
+        edits = [{**plan, "planned_margin_mm": 8 + 0.5 * i} for i in range(10)]
+        before, times = self.server.cpu_ms(), []
+        for edit in edits:
+            times.append(ask(edit, "live")[1])
+        cpu = (self.server.cpu_ms() - before) / len(edits)
+        print(f"live numbers of a plan: {sorted(times)[5]:.0f} ms (median of 10), {cpu:.0f} ms of "
+              f"CPU", flush=True)
+        # 200 ms are promised on a busy machine, where a tenth of a core may be what one gets.
+        self.assertLess(cpu, 60)
         # Live measures with half the resolution: within 1.5 % (documented: 1 % on finer meshes).
         self.assertAlmostEqual(live["excised_cm3"] / full["excised_cm3"], 1, delta=0.015)
         wider, _ = ask({**plan, "planned_margin_mm": 16.0})

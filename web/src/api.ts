@@ -56,6 +56,12 @@ export interface Session {
   proof: string; abilities: { dicom: boolean; scan: boolean; scan_only: boolean; tumour: boolean; report: boolean };
   healing_presets: string[]; notice: string;
 }
+/** What `sanatrix inspect --json` says about images. */
+export interface Series {
+  series: number; modality: string; weighting: string; plane: string; patient_position: string; size: number[]; spacing_mm: number[];
+  chosen: boolean; not_chosen_because?: string; warnings: string[];
+}
+export type ImageContents = { kind: 'DICOM'; series: Series[]; nothing_chosen?: string } | { kind: 'image file'; size: number[]; spacing_mm: number[] };
 export interface ResultFile { stage: string; file: string; bytes: number }
 export interface Tumour { radius_mm: number; centre: Record<string, Point> }
 export interface SceneHead {
@@ -133,11 +139,12 @@ export const api = {
   jobs: async () => (await get<{ jobs: Job[] }>('/api/jobs')).jobs,
   cancel: (job: string) => post(`/api/jobs/${job}/cancel`),
   resume: (job: string) => post(`/api/jobs/${job}/resume`),
-  async upload(file: File, batch = ''): Promise<string> {
-    const query = `name=${encodeURIComponent(file.name)}${batch ? `&batch=${batch}` : ''}`;
-    const answer = await ask('POST', `/api/uploads?${query}`, file, 'application/octet-stream');
+  async upload(name: string, content: Blob, batch = ''): Promise<string> {
+    const query = `name=${encodeURIComponent(name)}${batch ? `&batch=${batch}` : ''}`;
+    const answer = await ask('POST', `/api/uploads?${query}`, content, 'application/octet-stream');
     return (await answer.json()).upload;
   },
+  series: (upload: string) => get<ImageContents>(`/api/uploads/${upload}/series`),
 };
 
 /** Calls `hear` with the newest jobs whenever one changes; the browser reconnects by itself. */

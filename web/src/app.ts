@@ -121,6 +121,11 @@ export function path(app: App, current: StepName): { element: HTMLElement; updat
     fill(job, [progressCard(app)]);
   };
   update();
+  // On a phone the steps are a row that scrolls.
+  requestAnimationFrame(() => {
+    const row = items[0].element.parentElement, here = items.find((i) => i.name === current)!.element;
+    if (row) row.scrollLeft = here.offsetLeft - row.offsetLeft - 40;
+  });
   return {
     element: h('nav', { class: 'path', 'aria-label': text.path },
       h('div', { class: 'path-case' }, h('a', { href: '#/' }, `← ${text.cases.title}`), h('strong', {}, id),

@@ -1,5 +1,7 @@
 // A few lines instead of a framework: elements from a tag, attributes and children. Text is always
 // set as text, so that no label of anybody becomes markup.
+import { capital, text } from './text';
+
 export type Child = Node | string | number | null | undefined | false;
 type Attributes = Record<string, unknown>;
 
@@ -22,6 +24,10 @@ export function fill(element: Element, children: Child[]): void {
   element.replaceChildren(...children.filter((c) => c !== null && c !== undefined && c !== false)
     .map((c) => (c instanceof Node ? c : document.createTextNode(String(c)))));
 }
+
+/** What the computation noted, for those who ask. */
+export const notes = (list: string[]): HTMLElement | null => (list.length === 0 ? null
+  : h('details', {}, h('summary', {}, text.notes(list.length)), ...list.map((w) => h('p', { class: 'quiet note' }, capital(w)))));
 
 export interface Slider { element: HTMLElement; set(value: number): void; input: HTMLInputElement }
 

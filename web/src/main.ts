@@ -6,6 +6,7 @@ import { compareStep } from './compare/panel';
 import { fill, h } from './dom';
 import { healingStep } from './healing/panel';
 import { resultStep } from './outcome/panel';
+import { usual } from './outcome/whatIf';
 import { planStep } from './plan/panel';
 import { patientStep } from './slices/panel';
 import './style.css';
@@ -89,6 +90,7 @@ async function show(): Promise<void> {
 async function start(): Promise<void> {
   try {
     app.session = await api.session();
+    app.session.healing_presets.sort((a, b) => Number(b === usual) - Number(a === usual));
   } catch (problem) {
     const refused = problem as Refusal;
     frame(app, h('main', { class: 'page', id: 'main' }, h('h2', {}, text.product), h('p', {}, refused.status === 401 ? text.notIn : `${refused.message}. ${refused.hint}`)), '');

@@ -7,6 +7,7 @@
 
 #include "body.hpp"
 #include "core/error.hpp"
+#include "surgery/place.hpp"
 #include "surgery/plan.hpp"
 
 namespace sanatrix::surgery {
@@ -198,6 +199,65 @@ TEST(AResection, ThatCannotBeIsRefused) {
   Plan thin = plan_at({0, -30 * mm, 0});
   thin.clearance = 30 * mm;
   EXPECT_THAT(refusal(thin, slab()), HasSubstr("nothing is left"));
+}
+
+TEST(AnAnatomy, ServesOnePlanAfterAnotherWithTheSameAnswers) {
+  Silent silent;
+  const Context ctx("surgery", silent);
+  const auto anatomy = std::make_shared<const Anatomy>(dome(), dome().points, midline);
+  Plan plan = plan_at({10 * mm, -25 * mm, 5 * mm});
+  for (const double margin : {5 * mm, 12 * mm, 5 * mm}) {
+    plan.margin = margin;
+    const Wound kept = resect(plan, anatomy, ctx), fresh = removed(plan, dome());
+    EXPECT_EQ(kept.fraction, fresh.fraction);
+    EXPECT_EQ(kept.exact_m3, fresh.exact_m3);
+    EXPECT_EQ(kept.incision_vertices, fresh.incision_vertices);
+  }
+}
+
+TEST(AnAnatomy, AnswersWhileSomebodyDragsWithinAPercent) {
+  Silent silent;
+  const Context ctx("surgery", silent);
+  for (const TetMesh* mesh : {&slab(), &dome()}) {
+    const auto anatomy = std::make_shared<const Anatomy>(*mesh, mesh->points, midline);
+    Plan plan = plan_at({5 * mm, -25 * mm, 5 * mm});
+    for (const double margin : {6 * mm, 10 * mm}) {
+      plan.margin = margin;
+      const Wound live = resect(plan, anatomy, ctx, Detail::Live),
+                  full = resect(plan, anatomy, ctx);
+      EXPECT_NEAR(live.excised_m3 / full.excised_m3, 1.0, 0.01);
+      EXPECT_NEAR(live.exact_m3 / full.exact_m3, 1.0, 0.01);
+      EXPECT_NEAR(live.min_skin_distance_m, full.min_skin_distance_m, 0.3 * mm);
+      EXPECT_NEAR(live.min_chest_distance_m, full.min_chest_distance_m, 0.3 * mm);
+    }
+    // The field against what it stands for, a clearance and more away from the skin.
+    for (int i = 0; i < 200; ++i) {
+      const Vec3 p{(i % 10 - 5) * 3.1 * mm, (-45 + i / 10 % 5 * 7.3) * mm, (i / 50 - 2) * 5.7 * mm};
+      const double d = anatomy->skin_tree().closest(p).distance;
+      if (d > 2 * DistanceField::step) {
+        EXPECT_NEAR(anatomy->to_skin()(p), d, 0.1 * mm);
+      }
+    }
+  }
+}
+
+TEST(APlace, IsToldAsSeenByWhoFacesThePatient) {
+  const Vec3 nipple{80 * mm, -60 * mm, 10 * mm};
+  const Place left = place_of(nipple + Vec3{30 * mm, 20 * mm, 30 * mm}, nipple, Side::Left);
+  EXPECT_EQ(left.quadrant, "upper outer");
+  EXPECT_DOUBLE_EQ(left.clock_hour, 1.5);
+  EXPECT_NEAR(left.from_nipple_mm, std::sqrt(2200.0), 1e-9);
+  // The same direction is inner on the other side; the clock does not know sides.
+  const Place right = place_of(nipple + Vec3{30 * mm, 20 * mm, 30 * mm}, nipple, Side::Right);
+  EXPECT_EQ(right.quadrant, "upper inner");
+  EXPECT_DOUBLE_EQ(right.clock_hour, 1.5);
+  EXPECT_EQ(place_of(nipple + Vec3{-25 * mm, 0, -1 * mm}, nipple, Side::Right).quadrant,
+            "lower outer");
+  EXPECT_DOUBLE_EQ(place_of(nipple + Vec3{0, 0, 40 * mm}, nipple, Side::Left).clock_hour, 12.0);
+  EXPECT_DOUBLE_EQ(place_of(nipple + Vec3{-1 * mm, 0, 40 * mm}, nipple, Side::Left).clock_hour,
+                   12.0);
+  EXPECT_EQ(place_of(nipple + Vec3{5 * mm, 50 * mm, 5 * mm}, nipple, Side::Left).quadrant,
+            "central");
 }
 
 TEST(AnIncision, IsAPathAlongSkinEdgesOverTheResection) {

@@ -2,6 +2,7 @@
 import { api, type CaseSummary } from '../api';
 import { frame, type App } from '../app';
 import { fill, h } from '../dom';
+import { families, presetOf } from '../outcome/whatIf';
 import { estimate, inWords } from '../run/eta';
 import { text } from '../text';
 import { newCaseDialog } from './newCase';
@@ -26,7 +27,7 @@ export async function showCases(app: App): Promise<{ update(): void; changed(): 
         h('div', { class: 'patient-head' }, h('h3', {}, patient),
           members.filter((m) => m.outcome).length > 1
             ? h('a', { class: 'button', href: `#/case/${members[0].id}/compare` }, t.compare) : null),
-        h('ul', {}, ...members.map((c) => row(app, c, reload))))),
+        h('ul', {}, ...families(members).flatMap(({ main, others }) => [row(app, main, reload), ...others.map((c) => row(app, c, reload, true))])))),
     ]);
   };
   const reload = async (): Promise<void> => {
@@ -53,13 +54,14 @@ function comingCard(app: App, id: string): HTMLElement {
     failed ? h('button', { onclick: () => app.attempt(() => api.resume(job.id)) }, text.run.goOn) : null);
 }
 
-function row(app: App, c: CaseSummary, reload: () => Promise<void>): HTMLElement {
+function row(app: App, c: CaseSummary, reload: () => Promise<void>, isWhatIf = false): HTMLElement {
   if (c.broken) return h('li', {}, h('strong', {}, c.id), h('span', { class: 'quiet' }, t.broken));
   const state = app.busy(c.id) ? 'working' : c.outcome ? (c.outcome_fresh ? 'fresh' : 'stale') : 'none';
-  return h('li', {},
+  return h('li', { class: isWhatIf ? 'what-if-row' : '' },
     h('a', { class: 'case-link', href: `#/case/${c.id}/${c.outcome_fresh ? 'result' : 'plan'}` },
-      h('strong', {}, c.plan_name || c.id), c.plan_name ? h('small', { class: 'quiet' }, c.id) : null),
-    h('span', {}, c.side ? text.side[c.side] : t.noPlan),
+      h('strong', {}, isWhatIf ? t.whatIf(text.plan.presets[presetOf(c)] ?? presetOf(c)) : c.plan_name || c.id),
+      c.plan_name && !isWhatIf ? h('small', { class: 'quiet' }, c.id) : null),
+    h('span', {}, isWhatIf ? '' : c.side ? text.side[c.side] : t.noPlan),
     h('span', { class: 'quiet' }, c.outcome && c.outcome_fresh ? t.outcome(c.outcome.excised_cm3, c.outcome.excised_percent) : ''),
     h('span', { class: `state ${state}` }, t.states[state]),
     h('button', {

@@ -96,7 +96,7 @@ class HealingView {
     fill(this.bar, [colourBar(`${species[this.species].label} (${t.relative})`, '0', top.toFixed(1), viridisAt)]);
     const row = history.day.findIndex((d) => d >= days[this.frame] - 1e-6);
     const ratio = history.wound_volume_ratio[row < 0 ? history.day.length - 1 : row];
-    this.dayWord.textContent = `${t.day} ${days[this.frame].toFixed(0)}: ${(100 * ratio).toFixed(0)} % ${t.ofStart}`;
+    this.dayWord.textContent = t.ofStart(days[this.frame].toFixed(0), (100 * ratio).toFixed(0));
     app.viewer?.draw();
   }
 }
@@ -105,7 +105,7 @@ function plot(element: HTMLElement, history: HealingHead['history']): void {
   new uPlot({
     width: Math.max(220, element.clientWidth), height: 170, legend: { show: false }, cursor: { drag: { x: false, y: false } },
     scales: { x: { time: false } },
-    axes: [{ label: t.axis, labelSize: 18, size: 34 }, { size: 58, values: (_: uPlot, ticks: number[]) => ticks.map((v) => `${v.toFixed(0)} %`) }],
+    axes: [{ label: t.axis, labelSize: 18, size: 34 }, { size: 66, values: (_: uPlot, ticks: number[]) => ticks.map((v) => `${v.toFixed(ticks.every((x) => Number.isInteger(x)) ? 0 : 1)} %`) }],
     series: [{}, { stroke: '#0f5c63', width: 2 }],
   }, [history.day, history.wound_volume_ratio.map((v) => 100 * v)], element);
 }

@@ -55,7 +55,9 @@ class Result {
   constructor(private readonly app: App, private readonly before: Body, private readonly after: Body,
     controls: HTMLElement, private readonly scale: HTMLElement) {
     const viewer = app.viewer!;
-    this.slide = slider(t.slide, { min: 0, max: 1, step: 0.005 }, 0.5, () => '', (v) => { viewer.wipe = v; viewer.draw(); }).element;
+    const wipe = slider(t.slide, { min: 0, max: 1, step: 0.005 }, 0.5, () => '', (v) => { viewer.wipe = v; viewer.draw(); });
+    viewer.onWipe = (v) => wipe.set(v);
+    this.slide = wipe.element;
     this.tools = h('div', { class: 'tools' }, viewBar(viewer), this.slide);
     fill(controls, [
       choice(t.mode, Object.entries(t.modes) as [Mode, string][], this.mode, (m) => { this.mode = m; this.draw(); }).element,
@@ -109,6 +111,7 @@ class Result {
     viewer.draw();
   }
   close(): void {
+    this.app.viewer!.onWipe = null;
     this.before.group.visible = true;
     this.photo?.dispose();
     this.after.dispose();

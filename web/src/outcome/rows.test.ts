@@ -24,7 +24,7 @@ test('an index comes with both times, its range, and where it is from', () => {
 
 test('an index that is a change only shows the change, with a real minus, and no range', () => {
   const moved = { ...bra, key: 'nipple_lateral_mm', name: 'to the side', before: null, after: null, change: -3.14 };
-  const row = rowsOf({ ...outcome, cosmetics: { metrics: [moved] } }).find((r) => r.label === 'to the side')!;
+  const row = rowsOf({ ...outcome, cosmetics: { metrics: [moved] } }).find((r) => r.label === 'To the side')!;
   expect(row).toMatchObject({ before: '', value: '−3.1 mm', range: undefined, first: false });
 });
 

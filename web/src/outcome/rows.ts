@@ -1,6 +1,6 @@
 // The rows of the table of measures: what was done, then the cosmetic indices before and after.
 import type { Metric, Outcome } from '../api';
-import { text } from '../text';
+import { capital, text } from '../text';
 
 export interface Row { label: string; before?: string; value: string; range?: string; noise?: boolean; note?: string; first?: boolean }
 /** A displacement below this is within what a nipple moves by itself (Scurr 2015). */
@@ -33,7 +33,7 @@ function index(m: Metric): Row {
   const digits = m.unit === '' ? 2 : 1, after = m.after ?? m.change;
   const range = m.after !== null ? rangeOf(m.after_range) : null;
   return {
-    label: m.name, first: first.includes(m.key), noise: m.below_noise,
+    label: capital(m.name), first: first.includes(m.key), noise: m.below_noise,
     before: m.before === null ? '' : shown(m.before, m.unit, digits), value: shown(after, m.unit, digits),
     range: range ? `${range.map((v) => shown(v, '', digits)).join(' … ')}` : undefined,
     note: [m.source, m.reference, m.noise_source].filter(Boolean).join('. '),

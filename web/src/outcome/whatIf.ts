@@ -6,17 +6,33 @@ import { text } from '../text';
 import { noise_mm } from './rows';
 
 const t = text.whatIf;
-const usual = 'vavourakis2016';
+export const usual = 'vavourakis2016';
 export const presetOf = (s: CaseSummary): string => s.parameters['heal.preset'] ?? usual;
+
+/** Everything but the model of healing. */
+const rest = (s: CaseSummary): string => JSON.stringify([s.patient, s.plan,
+  Object.entries(s.parameters).filter(([k]) => k !== 'heal.preset').sort()]);
 
 /** The case of the same patient, plan and other settings under each model of healing. */
 export function sisters(own: CaseSummary, all: CaseSummary[]): Map<string, CaseSummary> {
-  const rest = (s: CaseSummary): string => JSON.stringify([s.patient, s.plan,
-    Object.entries(s.parameters).filter(([k]) => k !== 'heal.preset').sort()]);
   const found = new Map<string, CaseSummary>();
   for (const s of all) if (!s.broken && rest(s) === rest(own) && !found.has(presetOf(s))) found.set(presetOf(s), s);
   found.set(presetOf(own), own);
   return found;
+}
+/** Cases that are one plan under several models of healing, in the order of the list; the usual model
+ * speaks for them. Equal plans under one model are two cases, not a what-if. */
+export function families(cases: CaseSummary[]): { main: CaseSummary; others: CaseSummary[] }[] {
+  const found: CaseSummary[][] = [];
+  for (const c of cases) {
+    const home = c.broken || !c.plan ? undefined
+      : found.find((f) => rest(f[0]) === rest(c) && !f.some((m) => presetOf(m) === presetOf(c)));
+    if (home) home.push(c); else found.push([c]);
+  }
+  return found.map((members) => {
+    const main = members.find((m) => presetOf(m) === usual) ?? members[members.length - 1];
+    return { main, others: members.filter((m) => m !== main) };
+  });
 }
 /** Least and largest of a number over the models that have been computed. */
 export function spread(of: CaseSummary[], value: (s: CaseSummary) => number): { low: number; high: number; models: number } {

@@ -6,6 +6,8 @@ import { choice, fill, h, slider, type Slider } from '../dom';
 import { text } from '../text';
 import type { Pick } from '../view/body';
 import { posePicker, viewBar } from '../view/bar';
+import { Drawing } from '../view/drawing';
+import { Flat } from '../view/flat';
 import * as draft from './draft';
 import { History } from './history';
 import { fromMarkups, isMarkups, toMarkups } from './markups';
@@ -23,17 +25,19 @@ export async function planStep(app: App): Promise<StepView> {
   }
   app.body = await app.bodyOf(app.summary!);
   const answer = await api.plan(id);
-  return new Planner(app, panel, answer.plan, answer.marked_tumour).view();
+  const flat = app.body ? null : Flat.ofPlan(await api.scene(id), answer.plan?.operated_side ?? answer.marked_tumour?.side ?? 'L');
+  return new Planner(app, panel, answer.plan, answer.marked_tumour, flat).view();
 }
 
 class Planner {
   private history: History<Plan | null>;
   private readonly numbers = new Numbers();
   private readonly fields = h('div');
-  private readonly hint = h('p', { class: 'tool-hint', role: 'status', hidden: true });
+  private readonly hint = h('div', { class: 'tool-hint', role: 'status', hidden: true });
   private readonly actions = h('div', { class: 'actions' });
   private tool: Tool = 'none';
-  private drawn: Point[] = [];
+  private drawn: Pick[] = [];
+  private drawing: Drawing | null = null;
   private depth = 20;
   private lastPick: Pick | null = null;
   private asked = 0;
@@ -47,7 +51,8 @@ class Planner {
   private radius: Slider | null = null;
 
   constructor(private readonly app: App, private readonly panel: HTMLElement, private saved: Plan | null,
-    private readonly marked: { centre_lps_mm: Point; equivalent_radius_mm: number; side: Side } | null) {
+    private readonly marked: { centre_lps_mm: Point; equivalent_radius_mm: number; side: Side } | null,
+    private readonly flat: Flat | null) {
     this.history = new History(saved);
     this.preset = app.summary!.parameters['heal.preset'] ?? 'vavourakis2016';
     this.name = h('input', { type: 'text', value: app.summary!.plan_name, maxLength: 60, placeholder: t.namePlaceholder, onblur: (e: FocusEvent) => this.rename(e) });
@@ -58,11 +63,13 @@ class Planner {
   view(): StepView {
     const { app } = this;
     fill(this.panel, [h('h2', {}, text.steps.plan[0]),
-      this.app.body ? null : h('p', { class: 'quiet' }, text.view.noWebgl),
-      this.elsewhere, this.numbers.element, this.hint, this.fields, this.actions]);
+      this.elsewhere, this.numbers.element, this.numbers.evidence, this.fields, this.actions]);
     let tools: HTMLElement | undefined;
     if (app.viewer && app.body) {
-      app.viewer.setPanes([{ title: '', bodies: [app.body] }]);
+      const drawing = (this.drawing = new Drawing(app.body));
+      app.body.moved = () => drawing.place();
+      app.viewer.setPanes([{ title: '', bodies: [app.body], extra: [drawing.group] }]);
+      app.viewer.element.append(this.hint);
       app.viewer.frame();
       app.viewer.orbit.view(this.plan?.operated_side === 'R' ? 'right-oblique' : 'left-oblique');
       app.viewer.onPick = (pick) => this.picked(pick);
@@ -76,10 +83,19 @@ class Planner {
     this.draw();
     this.ask(false);
     return {
-      panel: this.panel, tools, update: () => this.drawActions(), changed: () => void this.changedElsewhere(),
+      panel: this.panel, tools, stage: this.flat?.element, update: () => this.drawActions(), changed: () => void this.changedElsewhere(),
       key: (e) => this.key(e),
-      close: () => { if (app.viewer) app.viewer.onPick = null; },
+      close: () => this.close(),
     };
+  }
+
+  private close(): void {
+    this.hint.remove();
+    this.drawing?.dispose();
+    if (this.app.body) this.app.body.moved = null;
+    if (!this.app.viewer) return;
+    this.app.viewer.onPick = null;
+    this.app.viewer.element.classList.remove('placing');
   }
 
   /** Applies a change; one gesture is one step of undo. */
@@ -120,14 +136,13 @@ class Planner {
     }
     const shape = draft.shapeOf(plan), incision = draft.incisionOf(plan);
     fill(this.fields, [
-      h('label', { class: 'field' }, h('span', {}, t.name), this.name),
       h('section', {}, h('h3', {}, t.tumour),
         slider(t.size, { min: 2, max: 80, step: 1 }, 2 * plan.tumour.equivalent_radius_mm, (v) => `${v.toFixed(0)} mm`, this.slide((p, v) => draft.withTumourRadius(p, v / 2))).element,
         this.app.body ? h('button', { 'aria-pressed': this.tool === 'tumour' ? 'true' : 'false', onclick: () => this.use('tumour') }, t.move) : null,
         this.lastPick ? slider(t.depth, { min: 3, max: 80, step: 1 }, this.depth, (v) => `${v} mm`, (v, done) => { this.depth = v; this.moveTumour(done); }).element : null),
       h('section', {}, h('h3', {}, t.excision),
         slider(t.margin, { min: 0, max: 30, step: 1 }, plan.planned_margin_mm, (v) => `${v} mm`, this.slide(draft.withMargin)).element,
-        choice(t.shape, Object.entries(t.shapes).filter(([k]) => k === 'cylinder' || this.app.body) as [draft.Shape, string][], this.tool === 'outline' ? 'free' : shape, (s) => this.chooseShape(s)).element,
+        choice(t.shape, Object.entries(t.shapes).filter(([k]) => k !== 'free' || this.app.body) as [draft.Shape, string][], this.tool === 'outline' ? 'free' : shape, (s) => this.chooseShape(s)).element,
         shape === 'cylinder' ? (this.radius = slider(t.own, { min: 3, max: 60, step: 0.5 }, draft.radiusOf(plan), (v) => `${v.toFixed(1)} mm${draft.isAutomatic(this.plan!) ? ` (${t.auto})` : ''}`, this.slide(draft.withRadius))).element : null,
         ...(shape === 'segment' ? this.segmentFields(plan) : []),
         shape === 'free' ? h('button', { onclick: () => this.use('outline') }, t.draw) : null,
@@ -135,6 +150,7 @@ class Planner {
       h('section', {}, choice(t.incision, Object.entries(t.incisions).filter(([k]) => k !== 'free' || this.app.body) as [draft.Incision, string][],
         this.tool === 'incision' ? 'free' : incision, (k) => this.chooseIncision(k)).element),
       h('section', {}, choice(t.healing, this.app.session.healing_presets.map((p) => [p, t.presets[p] ?? p] as [string, string]), this.preset, (p) => { this.preset = p; this.drawActions(); }).element),
+      h('section', {}, h('label', { class: 'field' }, h('span', {}, t.name), this.name)),
     ]);
     this.drawActions();
   }
@@ -176,7 +192,7 @@ class Planner {
   private chooseShape(shape: draft.Shape): void {
     if (shape === 'free') { this.use('outline'); return; }
     this.use('none');
-    this.change((p) => draft.withShape(p, shape, shape === 'segment' ? [this.app.body!.head.nipple[p.operated_side][p.frame]] : undefined));
+    this.change((p) => draft.withShape(p, shape, shape === 'segment' ? [(this.app.body ?? this.flat!.scene).head.nipple[p.operated_side][p.frame]] : undefined));
     this.draw();
   }
   private chooseIncision(kind: draft.Incision): void {
@@ -199,17 +215,23 @@ class Planner {
     this.tellTool();
   }
   private tellTool(): void {
-    this.hint.hidden = this.tool === 'none';
-    this.hint.textContent = this.tool === 'tumour' ? t.moving : this.tool === 'outline' ? t.drawing(this.drawn.length) : t.drawIncision(this.drawn.length);
+    const { tool, drawn } = this, enough = drawn.length >= (tool === 'outline' ? 3 : 2);
+    this.hint.hidden = tool === 'none';
+    this.drawing?.show(drawn, tool === 'outline');
+    this.app.viewer?.draw();
+    fill(this.hint, [
+      h('span', {}, tool === 'tumour' ? t.moving : tool === 'outline' ? t.drawing(drawn.length) : t.drawIncision(drawn.length)),
+      tool === 'tumour' ? null : h('button', { disabled: drawn.length === 0, onclick: () => { this.drawn.pop(); this.tellTool(); } }, t.lastPoint),
+      tool === 'tumour' ? null : h('button', { class: 'primary', disabled: !enough, onclick: () => this.finishDrawing() }, t.done),
+      h('button', { onclick: () => { this.use('none'); this.draw(); } }, text.cancel)]);
   }
   private picked(pick: Pick): void {
-    const frame = this.plan?.frame ?? 'supine';
     if (this.tool === 'tumour') {
       this.lastPick = pick;
       this.use('none');
       this.moveTumour(true);
     } else if (this.tool === 'outline' || this.tool === 'incision') {
-      this.drawn.push(this.app.body!.placeIn(pick, frame));
+      this.drawn.push(pick);
       this.tellTool();
     }
   }
@@ -224,7 +246,7 @@ class Planner {
     if (done) this.draw();
   }
   private finishDrawing(): void {
-    const points = this.drawn;
+    const frame = this.plan?.frame ?? 'supine', points = this.drawn.map((pick) => this.app.body!.placeIn(pick, frame));
     if (this.tool === 'outline' && points.length >= 3) this.change((p) => draft.withShape(p, 'free', points));
     if (this.tool === 'incision' && points.length >= 2) this.change((p) => draft.withIncision(p, 'free', points));
     this.use('none');
@@ -269,6 +291,7 @@ class Planner {
   }
   private showBody(): void {
     const { body, viewer } = this.app;
+    this.flat?.show(this.preview);
     if (!body || !viewer) return;
     body.showPlan(this.preview);
     body.showSurgery({ tumour: this.preview !== null, excision: true, seeThrough: this.seeThrough });

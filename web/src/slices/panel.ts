@@ -2,7 +2,7 @@
 import { api, type Point, type VolumeHead } from '../api';
 import type { App, StepView } from '../app';
 import type { Bundle } from '../bundle';
-import { fill, h } from '../dom';
+import { fill, h, notes } from '../dom';
 import { text } from '../text';
 import { labelColours } from '../view/colours';
 import { Solid } from './solid';
@@ -53,7 +53,7 @@ class Slices {
       h('label', { class: 'check' }, h('input', { type: 'checkbox', checked: true, id: 'overlay', onchange: () => { this.overlay = !this.overlay; this.draw(); } }), t.overlay),
       this.grey ? null : h('p', { class: 'quiet' }, t.noGrey),
       h('ul', { class: 'legend' }, ...[1, 2, 3, 4, 5, 8, 9].map((label) => h('li', {}, swatch(labelColours[label]), t.tissues[label]))),
-      ...this.app.summary!.stages.slice(0, 2).flatMap((s) => s.warnings).map((w) => h('p', { class: 'quiet note' }, w))]);
+      notes(this.app.summary!.stages.slice(0, 2).flatMap((s) => s.warnings))]);
     const stage = h('div', { class: 'slices' }, ...planes.map((p, i) => {
       const canvas = this.canvases[i];
       canvas.width = head.size[p.across];

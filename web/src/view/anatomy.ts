@@ -1,8 +1,10 @@
 // Steps C to F: the same breast in every pose.
+import { api } from '../api';
 import type { App, StepView } from '../app';
-import { fill, h } from '../dom';
+import { fill, h, notes } from '../dom';
 import { text } from '../text';
 import { posePicker, viewBar } from './bar';
+import { Flat } from './flat';
 
 const t = text.anatomy;
 
@@ -16,7 +18,7 @@ export async function anatomyStep(app: App): Promise<StepView> {
     app.isReady('supine') ? h('a', { class: 'button primary wide', href: `#/case/${s.id}/plan` }, t.goPlan) : null,
     h('dl', {}, ...stages.flatMap((x) => [h('dt', {}, `${x.letter} ${x.title}`), h('dd', {}, text.stageWord[app.stageState(x.name)],
       x.seconds ? ` · ${x.seconds.toFixed(0)} s` : '')])),
-    ...s.stages.slice(0, 5).flatMap((x) => x.warnings).map((w) => h('p', { class: 'quiet note' }, w))]);
+    notes(s.stages.slice(0, 5).flatMap((x) => x.warnings))]);
   if (app.viewer && app.body) {
     app.body.showPlan(null);
     app.body.showSurgery({ tumour: false, excision: false, seeThrough: false });
@@ -27,5 +29,6 @@ export async function anatomyStep(app: App): Promise<StepView> {
     app.viewer.orbit.view('left-oblique');
     tools = h('div', { class: 'tools' }, viewBar(app.viewer), posePicker(app, app.body, ['prone', 'unloaded', 'supine', 'before'], app.body.has('supine') ? 'supine' : 'prone'));
   }
-  return { panel, tools };
+  const stage = !app.viewer && app.isReady('mesh') ? Flat.ofPoses(await api.scene(s.id)).element : undefined;
+  return { panel, tools, stage };
 }

@@ -25,21 +25,22 @@ export function viewBar(viewer: Viewer, toggle?: { label: string; value: boolean
 export function posePicker(app: App, body: Body, wanted: string[], start: string): HTMLElement {
   const poses = wanted.filter((p) => body.has(p));
   const first = Math.max(0, poses.indexOf(start));
-  const output = h('output', {}, t.poses[poses[first]]);
+  const stops = poses.map((pose, i) => h('button', { type: 'button', class: 'stop', onclick: () => { input.value = String(i); show(); } }, t.poses[pose]));
   const input = h('input', {
     type: 'range', min: 0, max: poses.length - 1, step: 0.02, 'aria-label': t.pose,
-    oninput: () => {
-      const position = input.valueAsNumber, near = Math.round(position);
-      const pose = along(poses, Math.abs(position - near) < 0.03 ? near : position);
-      body.setPose(pose);
-      output.textContent = pose.t < 0.01 ? t.poses[pose.from] : pose.t > 0.99 ? t.poses[pose.to] : t.between(t.poses[pose.from], t.poses[pose.to]);
-      input.setAttribute('aria-valuetext', output.textContent);
-      app.viewer?.draw();
-    },
+    oninput: () => show(),
   });
+  const show = (): void => {
+    const position = input.valueAsNumber, near = Math.round(position), isAt = Math.abs(position - near) < 0.03;
+    const pose = poses.length > 1 ? along(poses, isAt ? near : position) : at(poses[0]);
+    body.setPose(pose);
+    input.setAttribute('aria-valuetext', isAt ? t.poses[poses[near]] : t.between(t.poses[pose.from], t.poses[pose.to]));
+    stops.forEach((stop, i) => stop.setAttribute('aria-pressed', String(isAt && i === near)));
+    app.viewer?.draw();
+  };
   input.value = String(first);
-  input.setAttribute('aria-valuetext', output.textContent ?? '');
-  body.setPose(at(poses[first]));
-  app.viewer?.draw();
-  return h('label', { class: 'pose-picker' }, h('span', {}, t.pose), input, output);
+  show();
+  const picker = h('div', { class: 'pose-picker' }, poses.length > 1 ? input : null, h('div', { class: 'stops' }, ...stops));
+  picker.style.setProperty('--stops', String(poses.length));
+  return picker;
 }

@@ -1,7 +1,7 @@
 // One patient in one pane: skin, cut faces, tumour, excision, incision; in any pose.
 import {
   BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial,
-  Mesh, MeshStandardMaterial, NormalBlending, Ray, SphereGeometry, Vector3, LineSegments,
+  Mesh, MeshBasicMaterial, MeshStandardMaterial, NormalBlending, Ray, SphereGeometry, Vector3, LineSegments,
 } from 'three';
 import { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
@@ -18,8 +18,12 @@ type Cut = { bundle: Bundle<unknown>; tumour?: Tumour };
 export class Body {
   readonly group = new Group();
   readonly head: SceneHead;
+  /** Hears of a new pose. */
+  moved: (() => void) | null = null;
   pose: Pose = { from: 'prone', to: 'prone', t: 0 };
   private readonly skin: Mesh<BufferGeometry, MeshStandardMaterial>;
+  /** Writes only how far the skin is: of a skin that is seen through, one layer is drawn. */
+  private readonly nearest: Mesh<BufferGeometry, MeshBasicMaterial>;
   private readonly inside: Mesh<BufferGeometry, MeshStandardMaterial>;
   private readonly tumour: Mesh;
   private readonly nipples: Record<Side, Mesh>;
@@ -51,6 +55,7 @@ export class Body {
     };
     this.skin = part(true, colours.clay, 0.72);
     this.inside = part(false, colours.clayInside, 0.95);
+    this.nearest = new Mesh(this.skin.geometry, new MeshBasicMaterial({ colorWrite: false, transparent: true, side: DoubleSide }));
     this.tumour = new Mesh(new SphereGeometry(1, 32, 20), new MeshStandardMaterial({ color: colours.tumour, roughness: 0.5 }));
     this.wound = new Mesh(new BufferGeometry(), new MeshStandardMaterial({
       color: colours.excision, roughness: 0.6, transparent: true, opacity: 0.55, side: DoubleSide, depthWrite: false,
@@ -59,8 +64,9 @@ export class Body {
     this.arrows = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0x1b2a33 }));
     const nipple = (): Mesh => new Mesh(new SphereGeometry(3.2, 24, 16), new MeshStandardMaterial({ color: 0xc4a698, roughness: 0.8 }));
     this.nipples = { L: nipple(), R: nipple() };
-    this.group.add(this.skin, this.inside, this.tumour, this.wound, this.arrows, this.nipples.L, this.nipples.R);
-    for (const mesh of [this.tumour, this.wound]) mesh.renderOrder = 2;
+    this.group.add(this.skin, this.nearest, this.inside, this.tumour, this.wound, this.arrows, this.nipples.L, this.nipples.R);
+    [this.tumour, this.wound].forEach((mesh) => { mesh.renderOrder = 2; });
+    this.nearest.renderOrder = 3;
     this.setCut(bundle.has('wound.triangles') ? { bundle, tumour: this.head.tumour } : null);
     this.tumour.visible = this.head.tumour !== undefined;
     this.setPose(this.pose);
@@ -78,6 +84,7 @@ export class Body {
     this.skin.geometry.computeBoundingSphere();
     this.inside.geometry.computeBoundingSphere();
     this.bvhIsOld = true;
+    this.moved?.();
     for (const side of ['L', 'R'] as const) this.place(this.nipples[side], this.head.nipple[side]);
     this.placeCut();
   }
@@ -97,6 +104,8 @@ export class Body {
     material.opacity = show.seeThrough ? (show.opacity ?? 0.5) : 1;
     this.inside.visible = !show.seeThrough;
     material.depthWrite = !show.seeThrough;
+    this.nearest.visible = show.seeThrough;
+    this.skin.renderOrder = show.seeThrough ? 4 : 0;
     material.needsUpdate = true;
   }
   /** Colours per shell vertex, or clay. */
@@ -187,8 +196,8 @@ export class Body {
     this.lineLengths = [...bundle.u32('incision.lengths')];
     this.lines = this.lineLengths.map(() => {
       // Seen through the skin: the line lies in it.
-      const line = new Line2(new LineGeometry(), new LineMaterial({ color: colours.incision, linewidth: 3.5, depthTest: false }));
-      line.renderOrder = 3;
+      const line = new Line2(new LineGeometry(), new LineMaterial({ color: colours.incision, linewidth: 3.5, depthTest: false, transparent: true }));
+      line.renderOrder = 5;
       this.group.add(line);
       return line;
     });

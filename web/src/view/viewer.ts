@@ -8,7 +8,7 @@ import { text } from '../text';
 import type { Body, Pick } from './body';
 import { listenToUser, Orbit } from './camera';
 
-export interface Pane { scene: Scene; bodies: Body[]; label: HTMLElement; title: string }
+export interface Pane { scene: Scene; bodies: Body[]; words: Words }
 export type Layout = 'grid' | 'wipe';
 
 export class Viewer {
@@ -17,15 +17,14 @@ export class Viewer {
   readonly panes: Pane[] = [];
   layout: Layout = 'grid';
   wipe = 0.5;
+  onWipe: ((wipe: number) => void) | null = null;
   onPick: ((pick: Pick, body: Body) => void) | null = null;
   clip: Plane | null = null;
   lastPickMs = 0;
   lastFrameMs = 0;
   private readonly renderer: WebGLRenderer;
   private readonly overlay = h('div', { class: 'view-overlay', 'aria-hidden': 'true' });
-  private readonly letters = ['top', 'bottom', 'left', 'right'].map((edge) => h('span', { class: `letter ${edge}` }));
-  private readonly sides = [h('span', { class: 'side-word left' }), h('span', { class: 'side-word right' })];
-  private readonly divider: HTMLElement;
+  private readonly divider = h('div', { class: 'wipe-line', hidden: true }, h('i'));
   private waiting = false;
   private unframed = false;
 
@@ -39,8 +38,8 @@ export class Viewer {
     canvas.setAttribute('role', 'img');
     canvas.setAttribute('aria-label', text.view.canvas);
     canvas.title = '';
-    this.divider = h('div', { class: 'wipe-line', hidden: true });
-    this.overlay.append(...this.letters, ...this.sides, this.divider);
+    this.overlay.append(this.divider);
+    this.dragWipe();
     this.element = h('div', { class: 'viewer' }, canvas, this.overlay);
     listenToUser(canvas, this.orbit, (x, y) => this.click(x, y));
     canvas.addEventListener('dblclick', () => this.orbit.reset());
@@ -48,15 +47,15 @@ export class Viewer {
   }
 
   setPanes(content: { title: string; bodies: Body[]; extra?: Object3D[] }[], layout: Layout = 'grid'): void {
-    for (const pane of this.panes) pane.label.remove();
+    for (const pane of this.panes) pane.words.element.remove();
     this.panes.length = 0;
     this.layout = layout;
     for (const { title, bodies, extra } of content) {
       const scene = new Scene();
       scene.add(...lights(), ...bodies.map((b) => b.group), ...(extra ?? []));
-      const label = h('span', { class: 'pane-title' }, title);
-      this.overlay.append(label);
-      this.panes.push({ scene, bodies, label, title });
+      const words = new Words(title);
+      this.overlay.append(words.element);
+      this.panes.push({ scene, bodies, words });
     }
     this.resize();
   }
@@ -126,22 +125,23 @@ export class Viewer {
       const lamp = pane.scene.getObjectByName('lamp');
       lamp?.position.copy(this.orbit.camera.position).addScaledVector(this.orbit.camera.up, 300);
       this.renderer.render(pane.scene, this.orbit.camera);
-      const wiping = this.layout === 'wipe';
-      pane.label.style.left = wiping && i === 1 ? 'auto' : `${r.x + 12}px`;
-      pane.label.style.right = wiping && i === 1 ? '12px' : 'auto';
-      pane.label.style.top = `${r.y + 10}px`;
+      // A wipe shows one picture in two parts: letters once, a title at either side.
+      pane.words.place(r, this.orbit.letters(), this.layout === 'wipe' ? i : null);
     });
     this.divider.hidden = this.layout !== 'wipe';
     this.divider.style.left = `${100 * this.wipe}%`;
-    this.label();
     this.lastFrameMs = performance.now() - start;
   }
-  private label(): void {
-    const l = this.orbit.letters();
-    [l.top, l.bottom, l.left, l.right].forEach((letter, i) => { this.letters[i].textContent = letter; });
-    const word = (letter: string): string => (letter === 'L' ? text.side.L : letter === 'R' ? text.side.R : '');
-    this.sides[0].textContent = word(l.left);
-    this.sides[1].textContent = word(l.right);
+  /** The line between before and after can be taken by hand; keys have the slider below. */
+  private dragWipe(): void {
+    this.divider.addEventListener('pointerdown', (e) => { this.divider.setPointerCapture(e.pointerId); e.preventDefault(); });
+    this.divider.addEventListener('pointermove', (e) => {
+      if (!this.divider.hasPointerCapture(e.pointerId)) return;
+      const box = this.element.getBoundingClientRect();
+      this.wipe = Math.max(0, Math.min(1, (e.clientX - box.left) / box.width));
+      this.onWipe?.(this.wipe);
+      this.draw();
+    });
   }
   private click(x: number, y: number): void {
     if (!this.onPick) return;
@@ -160,6 +160,27 @@ export class Viewer {
         if (hit) { this.onPick?.(hit, body); return; }
       }
     });
+  }
+}
+
+/** What stands over a pane: its title, the letters at its edges, and her sides in words. */
+class Words {
+  readonly element: HTMLElement;
+  private readonly title: HTMLElement;
+  private readonly letters = ['top', 'bottom', 'left', 'right'].map((edge) => h('span', { class: `letter ${edge}` }));
+  private readonly sides = [h('span', { class: 'side-word left' }), h('span', { class: 'side-word right' })];
+
+  constructor(title: string) {
+    this.title = h('span', { class: 'pane-title' }, title);
+    this.element = h('div', { class: 'pane' }, this.title, ...this.letters, ...this.sides);
+  }
+  place(r: { x: number; y: number; w: number; h: number }, l: ReturnType<Orbit['letters']>, wiped: number | null): void {
+    Object.assign(this.element.style, { left: `${r.x}px`, top: `${r.y}px`, width: `${r.w}px`, height: `${r.h}px` });
+    this.title.classList.toggle('at-right', wiped === 1);
+    const once = wiped !== 1, word = (letter: string): string => (once && r.w > 330 ? text.side[letter] ?? '' : '');
+    [l.top, l.bottom, l.left, l.right].forEach((letter, i) => { this.letters[i].textContent = once ? letter : ''; });
+    this.sides[0].textContent = word(l.left);
+    this.sides[1].textContent = word(l.right);
   }
 }
 
