@@ -80,10 +80,12 @@ void close_wall(LabelImage& labels) {
   }
 }
 
-/// Distances to the boundary of `mask` at the voxel faces between `inner` and `outer` labels of
-/// `labels`, measured a few voxels away from the borders of the image.
+/// How far `other` and `own` boundaries are apart at the voxel faces between `inner` and `outer`
+/// labels of `labels`, measured a few voxels away from the borders of the image. The difference of
+/// two distances, since between thick slices the distance to a surface's own faces is not zero.
 void collect(const LabelImage& labels, bool (*inner)(unsigned char), bool (*outer)(unsigned char),
-             const Image3<float>& distance, const Mask& where, std::vector<double>& all) {
+             const Image3<float>& own, const Image3<float>& other, const Mask& where,
+             std::vector<double>& all) {
   constexpr int border = 4;
   for (int k = border; k < labels.size[2] - border; ++k) {
     for (int j = border; j < labels.size[1] - border; ++j) {
@@ -96,8 +98,9 @@ void collect(const LabelImage& labels, bool (*inner)(unsigned char), bool (*oute
              {labels.index(i - 1, j, k), labels.index(i + 1, j, k), labels.index(i, j - 1, k),
               labels.index(i, j + 1, k), labels.index(i, j, k - 1), labels.index(i, j, k + 1)}) {
           if (outer(labels.voxels[there]) && where.voxels[there] != 0) {
-            all.push_back(std::abs(
-                0.5 * static_cast<double>(distance.voxels[here] + distance.voxels[there])));
+            all.push_back(0.5 *
+                          std::abs(static_cast<double>(other.voxels[here] - own.voxels[here] +
+                                                       other.voxels[there] - own.voxels[there])));
             break;
           }
         }
@@ -110,10 +113,10 @@ SurfaceError surface_error(const LabelImage& a, const LabelImage& b, const Mask&
                            bool (*inner)(unsigned char), bool (*outer)(unsigned char)) {
   constexpr double limit_mm = 60.0;
   std::vector<double> all;
-  collect(a, inner, outer, signed_distance(mask_where(b, inner), {true, true, true}, limit_mm),
-          where, all);
-  collect(b, inner, outer, signed_distance(mask_where(a, inner), {true, true, true}, limit_mm),
-          where, all);
+  const auto to_a = signed_distance(mask_where(a, inner), {true, true, true}, limit_mm);
+  const auto to_b = signed_distance(mask_where(b, inner), {true, true, true}, limit_mm);
+  collect(a, inner, outer, to_a, to_b, where, all);
+  collect(b, inner, outer, to_b, to_a, where, all);
   if (all.empty()) {
     return {limit_mm, limit_mm};
   }

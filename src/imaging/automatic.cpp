@@ -16,7 +16,10 @@ constexpr double wide_knots_mm = 70.0, fine_knots_mm = 45.0;
 constexpr double skin_mm = 2.0;  ///< thickness; Huang et al., doi:10.1118/1.2841938: 1-2.5 mm
 /// Half way between air and skin, relative to fat: skin has about a third of fat's signal.
 constexpr float skin_edge = 0.17F;
-constexpr double surroundings_mm = 0.7;
+constexpr double surroundings_mm = 0.6;
+/// A voxel with this share counts as gland. Less than a half: slices are thicker than strands of
+/// gland and mix them with the fat around, which is more than the gland.
+constexpr float gland_share = 0.46F;
 constexpr double muscle_mm = 12.0;    ///< behind the fascia; pectorals and ribs
 constexpr float lung_signal = 0.10F;  ///< relative to fat
 
@@ -37,12 +40,30 @@ Image3<float> divided(const Image3<float>& image, const Image3<float>& by) {
   return result;
 }
 
+/// What air reaches nowhere, per voxel: its mean and some deviations, of the noise of the place.
+Image3<float> clear_of_air(const Image3<float>& grid, const AirSignal& air,
+                           const Image3<float>& share, double deviations) {
+  Image3<float> level = image_like<float>(grid);
+  const auto most = static_cast<float>(air.mean + deviations * air.deviation);
+  std::size_t v = 0;
+  for (int k = 0; k < grid.size[2]; ++k) {
+    for (int j = 0; j < grid.size[1]; ++j) {
+      for (int i = 0; i < grid.size[0]; ++i, ++v) {
+        level.voxels[v] = most * static_cast<float>(sample(share, grid.position_mm(i, j, k)));
+      }
+    }
+  }
+  return level;
+}
+
 /// Where air ends, per voxel: half the local skin's signal, but clear of the noise.
-Image3<float> edge_of_skin(const Image3<float>& fat_signal, const AirSignal& air) {
-  Image3<float> edge = fat_signal;
-  const auto noise = static_cast<float>(air.mean + 4.0 * air.deviation);
-  for (float& v : edge.voxels) {
-    v = std::max(noise, skin_edge * v + 0.5F * static_cast<float>(air.mean));
+Image3<float> edge_of_skin(const Image3<float>& fat_signal, const AirSignal& air,
+                           const Image3<float>& share) {
+  Image3<float> edge = clear_of_air(fat_signal, air, share, 4.0);
+  const auto half_air = static_cast<float>(0.5 * air.mean / (air.mean + 4.0 * air.deviation));
+  for (std::size_t v = 0; v < edge.voxels.size(); ++v) {
+    edge.voxels[v] =
+        std::max(edge.voxels[v], skin_edge * fat_signal.voxels[v] + half_air * edge.voxels[v]);
   }
   return edge;
 }
@@ -142,19 +163,19 @@ struct Coarse {
   ChestWall wall;
   Vec3 first_mm;  ///< the image's first voxel, seen from the working grid
   AirSignal air;
+  Image3<float> noise;  ///< share of the air's
   GlandularModel gland;
 };
 
 Coarse find_on_working_grid(const Image3<float>& ordered, const Context& ctx) {
   const Image3<float> small = in_plane_smoothed(shrink_in_plane(ordered, working_mm), 0.6);
   const AirSignal air = measure_air(small);
-  Image3<float> threshold;
-  threshold.voxels = {static_cast<float>(air.mean + 6.0 * air.deviation)};
-  const Mask rough = body_mask(small, threshold);
+  const Image3<float> noise = noise_share(small, air);
+  const Mask rough = body_mask(small, clear_of_air(small, air, noise, 6.0));
   ctx.at(0.1, "coil shading");
   FatField field = estimate_fat_field(small, below_skin(rough, 3.0, 25.0), wide_knots_mm);
   Image3<float> signal = fat_signal_on(field, small);
-  const Mask body = body_mask(small, edge_of_skin(signal, air));
+  const Mask body = body_mask(small, edge_of_skin(signal, air, noise));
   const Cleft cleft = find_cleft(body);
   ctx.at(0.35, "chest wall");
   ChestWall wall = find_chest_wall(divided(small, signal), body, cleft.i_mm, cleft.j_mm);
@@ -167,7 +188,7 @@ Coarse find_on_working_grid(const Image3<float>& ordered, const Context& ctx) {
   wall = find_chest_wall(relative, body, cleft.i_mm, cleft.j_mm);
   const Mask soft = soft_interior(body, wall, 4.0, 3.0);
   const GlandularModel gland = fit_glandular_model(relative, soft);
-  return {std::move(field), std::move(wall), offset_mm(ordered, small), air, gland};
+  return {std::move(field), std::move(wall), offset_mm(ordered, small), air, noise, gland};
 }
 
 Label behind_wall(double depth_mm, float relative) {
@@ -177,30 +198,82 @@ Label behind_wall(double depth_mm, float relative) {
   return depth_mm < muscle_mm ? Label::Muscle : Label::Organ;
 }
 
-/// Fibroglandular is what holds more gland than fat. Which voxels is decided by the share of the
-/// surroundings, since noise sits in single voxels; how many by the shares themselves, since a mean
-/// over the surroundings thins strands.
-void harden(TissueGrid& grid) {
-  Image3<float> around = grid.fibroglandular;
-  smooth(around, surroundings_mm);
-  std::vector<float> candidates;
-  std::size_t gland = 0;
-  for (std::size_t v = 0; v < around.voxels.size(); ++v) {
-    if (grid.labels.voxels[v] == static_cast<unsigned char>(Label::Adipose)) {
-      candidates.push_back(around.voxels[v]);
-      gland += grid.fibroglandular.voxels[v] > 0.5F ? 1 : 0;
+/// Depths below the skin and in front of the wall of the whole thickness of a slice: the worst of
+/// its middle and its two faces, half way to the neighbours.
+class ThickSlice {
+ public:
+  ThickSlice(const Image3<float>& outside, const ChestWall& wall, const Image3<float>& grid,
+             const Vec3& first_mm)
+      : outside_(outside), wall_(wall), grid_(grid), first_mm_(first_mm) {}
+  /// Whether the voxel's signal can be read as a mixture of fat and gland alone. Dark skin or
+  /// muscle in a part of it would be taken for gland; close below the skin and in front of the
+  /// fascia lie layers of fat.
+  [[nodiscard]] bool holds_breast_only(int i, int j, int k) const {
+    return skin_depth(i, j, k) > skin_mm + mixed_mm && wall_depth(i, j, k) > mixed_mm;
+  }
+
+ private:
+  static constexpr double mixed_mm = 0.8;  ///< error of both surfaces and width of a voxel
+  template <class Depth>
+  [[nodiscard]] double least(int k, const Depth& depth) const {
+    const double here = depth(k);
+    const double below = k > 0 ? depth(k - 1) : here;
+    const double above = k + 1 < grid_.size[2] ? depth(k + 1) : here;
+    return std::min({here, 0.5 * (here + below), 0.5 * (here + above)});
+  }
+  [[nodiscard]] double skin_depth(int i, int j, int k) const {
+    return least(k, [&](int c) { return -static_cast<double>(outside_.at(i, j, c)); });
+  }
+  [[nodiscard]] double wall_depth(int i, int j, int k) const {
+    const double x = first_mm_[0] + i * grid_.spacing_mm[0];
+    const double y = first_mm_[1] + j * grid_.spacing_mm[1];
+    return least(k, [&](int c) { return -wall_.behind_mm(x, y, c); });
+  }
+  const Image3<float>& outside_;
+  const ChestWall& wall_;
+  const Image3<float>& grid_;
+  Vec3 first_mm_;
+};
+
+/// The share of gland that the image itself says, without smoothing and beyond 0 and 1, so that
+/// noise has no preferred sign; 0 where it is not mixed of fat and gland.
+Image3<float> plain_share(const Image3<float>& image, const Image3<float>& fat_signal,
+                          const GlandularModel& gland, const TissueGrid& grid, const Mask& clean) {
+  Image3<float> share = image_like<float>(grid.labels);
+  for (std::size_t v = 0; v < share.voxels.size(); ++v) {
+    if (clean.voxels[v] != 0) {
+      const double relative = static_cast<double>(image.voxels[v]) /
+                              std::max(static_cast<double>(fat_signal.voxels[v]), 1e-6);
+      share.voxels[v] = static_cast<float>(std::clamp(
+          (gland.fat_signal - relative) / (gland.fat_signal - gland.gland_signal), -1.5, 2.5));
     }
   }
-  if (gland == 0) {
+  return share;
+}
+
+/// Fibroglandular is what holds more gland than fat. Which voxels is decided by the share of the
+/// surroundings, since noise sits in single voxels; how many by the shares themselves, since a mean
+/// over the surroundings thins strands. Where noise lets fat look like gland, it lets as much fat
+/// look as far brighter than fat: these are taken off.
+void harden(TissueGrid& grid, const Image3<float>& share, const Mask& clean) {
+  const Image3<float> around = in_plane_smoothed(share, surroundings_mm);
+  std::vector<float> candidates;
+  long gland = 0;
+  for (std::size_t v = 0; v < around.voxels.size(); ++v) {
+    if (clean.voxels[v] != 0) {
+      candidates.push_back(around.voxels[v]);
+      gland += share.voxels[v] > gland_share ? 1 : share.voxels[v] < -gland_share ? -1 : 0;
+    }
+  }
+  if (gland <= 0) {
     return;
   }
-  const auto least = candidates.end() - static_cast<long>(gland);
+  const auto least = candidates.end() - gland;
   std::nth_element(candidates.begin(), least, candidates.end());
   const float threshold = *least;
   for (std::size_t v = 0; v < around.voxels.size(); ++v) {
-    unsigned char& label = grid.labels.voxels[v];
-    if (label == static_cast<unsigned char>(Label::Adipose) && around.voxels[v] >= threshold) {
-      label = static_cast<unsigned char>(Label::Fibroglandular);
+    if (clean.voxels[v] != 0 && around.voxels[v] >= threshold) {
+      grid.labels.voxels[v] = static_cast<unsigned char>(Label::Fibroglandular);
     }
   }
 }
@@ -214,12 +287,14 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
   const Vec3 first = coarse.first_mm;
   const Image3<float> signal = fat_signal_on(coarse.field, ordered, first);
   const Image3<float> smoothed = in_plane_smoothed(ordered, 0.5);
-  const Mask body = body_mask(smoothed, edge_of_skin(signal, coarse.air));
+  const Mask body = body_mask(smoothed, edge_of_skin(signal, coarse.air, coarse.noise));
   const Image3<float> outside = signed_distance(body, {true, true, true}, 6.0);
+  const ThickSlice thick(outside, coarse.wall, ordered, first);
   AutomaticLabels found;
   found.relative = divided(smoothed, signal);
   found.grid.labels = image_like<unsigned char>(ordered);
   found.grid.fibroglandular = image_like<float>(ordered);
+  Mask clean = image_like<unsigned char>(ordered);
   std::size_t v = 0;
   for (int k = 0; k < ordered.size[2]; ++k) {
     for (int j = 0; j < ordered.size[1]; ++j) {
@@ -235,14 +310,15 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
           label = behind_wall(behind, relative);
         } else if (outside.voxels[v] > -skin_mm) {
           label = Label::Skin;
-        } else {
+        } else if (thick.holds_breast_only(i, j, k)) {
+          clean.voxels[v] = 1;
           found.grid.fibroglandular.voxels[v] = glandular_share(coarse.gland, relative);
         }
         found.grid.labels.voxels[v] = static_cast<unsigned char>(label);
       }
     }
   }
-  harden(found.grid);
+  harden(found.grid, plain_share(ordered, signal, coarse.gland, found.grid, clean), clean);
   found.wall = std::move(coarse.wall);
   found.gland = coarse.gland;
   found.noise = coarse.air.deviation;

@@ -1,6 +1,7 @@
 #include "imaging/body_mask.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "core/error.hpp"
 
@@ -80,7 +81,76 @@ Mask outside_air(const Mask& body) {
   return air;
 }
 
+constexpr double tile_mm = 12.0;
+constexpr double quiet = 0.25;  ///< quantile of a tile's differences; edges are the other ones
+constexpr float least_noise_share = 0.15F;
+
+/// Low quantile of the differences between next but one voxels of a tile.
+float quiet_difference(const Image3<float>& image, const std::array<int, 3>& first,
+                       const std::array<int, 3>& tile) {
+  std::vector<float> differences;
+  for (int k = first[2]; k < std::min(first[2] + tile[2], image.size[2]); ++k) {
+    for (int j = first[1]; j < std::min(first[1] + tile[1], image.size[1]); ++j) {
+      for (int i = first[0]; i + 2 < std::min(first[0] + tile[0], image.size[0]); ++i) {
+        differences.push_back(std::abs(image.at(i + 2, j, k) - image.at(i, j, k)));
+      }
+    }
+  }
+  if (differences.empty()) {
+    return std::numeric_limits<float>::infinity();
+  }
+  const auto low =
+      differences.begin() + static_cast<long>(quiet * static_cast<double>(differences.size()));
+  std::nth_element(differences.begin(), low, differences.end());
+  return *low;
+}
+
+/// Every tile takes the greatest value of itself and its neighbours.
+Image3<float> widened(const Image3<float>& tiles) {
+  Image3<float> result = tiles;
+  const auto [nx, ny, nz] = tiles.size;
+  for (int k = 0; k < nz; ++k) {
+    for (int j = 0; j < ny; ++j) {
+      for (int i = 0; i < nx; ++i) {
+        for (int b = std::max(j - 1, 0); b <= std::min(j + 1, ny - 1); ++b) {
+          for (int a = std::max(i - 1, 0); a <= std::min(i + 1, nx - 1); ++a) {
+            result.at(i, j, k) = std::max(result.at(i, j, k), tiles.at(a, b, k));
+          }
+        }
+      }
+    }
+  }
+  return result;
+}
+
 }  // namespace
+
+Image3<float> noise_share(const Image3<float>& image, const AirSignal& air) {
+  std::array<int, 3> tile{};
+  Image3<float> tiles = image_like<float>(image);
+  for (std::size_t a = 0; a < 3; ++a) {
+    tile[a] = std::max(1, static_cast<int>(std::lround(tile_mm / image.spacing_mm[a])));
+    tiles.size[a] = std::max(1, image.size[a] / tile[a]);
+    tiles.spacing_mm[a] = tile[a] * image.spacing_mm[a];
+  }
+  tiles.origin_mm =
+      image.position_mm(0.5 * (tile[0] - 1), 0.5 * (tile[1] - 1), 0.5 * (tile[2] - 1));
+  tiles.voxels.clear();
+  for (int k = 0; k < tiles.size[2]; ++k) {
+    for (int j = 0; j < tiles.size[1]; ++j) {
+      for (int i = 0; i < tiles.size[0]; ++i) {
+        tiles.voxels.push_back(
+            quiet_difference(image, {i * tile[0], j * tile[1], k * tile[2]}, tile));
+      }
+    }
+  }
+  // The quarter quantile of differences of normal noise: 0.3186 * sqrt(2) deviations.
+  const auto of_air = static_cast<float>(0.4506 * std::max(air.deviation, 1e-6));
+  for (float& v : tiles.voxels) {
+    v = std::clamp(v / of_air, least_noise_share, 1.0F);
+  }
+  return widened(tiles);
+}
 
 AirSignal measure_air(const Image3<float>& image) {
   std::vector<float> sample;

@@ -18,4 +18,8 @@ AirSignal measure_air(const Image3<float>& image);
 /// (lungs). Error{Input} without a body.
 Mask body_mask(const Image3<float>& image, const Image3<float>& threshold);
 
+/// The noise of every place as a share of the air's: 1, or less where shading, or a correction of
+/// it, took noise and signal down together. On coarse tiles, for `sample`.
+Image3<float> noise_share(const Image3<float>& image, const AirSignal& air);
+
 }  // namespace sanatrix::imaging

@@ -183,12 +183,15 @@ FatField estimate_fat_field(const Image3<float>& image, const Mask& where, doubl
   // Asymmetric least squares (expectiles, doi:10.2307/1911031): what lies below the field hardly
   // counts, so that a wide region in which every voxel holds some gland is not taken for shading;
   // what lies far above (vessels, inflow) loses weight again.
-  constexpr double below = 0.015, bright_outlier = 0.2;
+  // Once the field has settled, gland far below it loses what weight it had: squared, many such
+  // blocks would still drag the field down where there are few without gland.
+  constexpr double below = 0.015, bright_outlier = 0.2, dark_outlier = 0.06;
   for (int round = 0; round < 14; ++round) {
     field.fit(samples, weights, round < 8 ? 0.3 : 0.03);
     for (std::size_t p = 0; p < samples.size(); ++p) {
       const double residual = samples[p].log_value - field.log_at(samples[p].at);
-      weights[p] = residual > 0.0 ? 1.0 / (1.0 + std::pow(residual / bright_outlier, 2)) : below;
+      const double outlier = residual > 0.0 ? bright_outlier : round < 8 ? 1e3 : dark_outlier;
+      weights[p] = (residual > 0.0 ? 1.0 : below) / (1.0 + std::pow(residual / outlier, 2));
     }
   }
   return field;

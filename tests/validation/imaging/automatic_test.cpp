@@ -54,10 +54,9 @@ TEST_P(Automatic, AgreesWithTheTruth) {
 INSTANTIATE_TEST_SUITE_P(
     Patients, Automatic,
     ::testing::Values(Patient{"dev01/t1.nii.gz", "dev01/labels_mri.nii.gz"},
-                      // Noise and texture are a quarter of the difference of fat and
-                      // gland here, and true gland is speckled at 1 mm: with the
-                      // true shading and a filter fitted to the truth it is 0.75.
-                      Patient{"dev01/t2.nii.gz", "dev01/labels_mri.nii.gz", 0.67},
+                      // Grain of 1 mm in 3 mm slices, and texture: docs/theory/segmentation.md
+                      // has what filters and classifiers fitted to the truth reach here.
+                      Patient{"dev01/t2.nii.gz", "dev01/labels_mri.nii.gz", 0.71},
                       Patient{"dev02/t1.nii.gz", "dev02/labels_mri.nii.gz"},
                       Patient{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz"}));
 

@@ -60,11 +60,47 @@ INSTANTIATE_TEST_SUITE_P(Exams, OtherAnatomy,
                          ::testing::Values(Exam{"Exam_15_detailed.nii.gz", true, 12.0},
                                            Exam{"Exam_25_detailed.nii.gz", false, 6.0}));
 
-enum class Change { Noise, Shading, LargerBreast };
-void PrintTo(Change change, std::ostream* out) {
-  *out << std::array{"noise", "shading", "larger breast"}[static_cast<std::size_t>(change)];
+enum class Change { Noise, Shading, LargerBreast, EveryThirdSlice };
+struct Worse {
+  const char* image;
+  const char* truth;
+  Change change;
+};
+void PrintTo(const Worse& worse, std::ostream* out) {
+  *out << worse.image << ' '
+       << std::array{"noise", "shading", "larger breast",
+                     "every third slice"}[static_cast<std::size_t>(worse.change)];
 }
-class WorseImage : public ::testing::TestWithParam<Change> {};
+class WorseImage : public ::testing::TestWithParam<Worse> {};
+
+template <class T>
+Image3<T> every_third_slice(const Image3<T>& image) {
+  Image3<T> thin = image;
+  thin.size[2] = (image.size[2] + 2) / 3;
+  thin.spacing_mm[2] *= 3.0;
+  thin.voxels.clear();
+  const auto slice = static_cast<long>(image.size[0]) * image.size[1];
+  for (int k = 0; k < image.size[2]; k += 3) {
+    thin.voxels.insert(thin.voxels.end(), image.voxels.begin() + k * slice,
+                       image.voxels.begin() + (k + 1) * slice);
+  }
+  return thin;
+}
+
+/// The coil's 1.6 at the nipple to 0.3 at the back, the tilt and the fall towards the ends of the
+/// stack once more.
+void double_shading(Image3<float>& image) {
+  for (int k = 0; k < image.size[2]; ++k) {
+    for (int j = 0; j < image.size[1]; ++j) {
+      for (int i = 0; i < image.size[0]; ++i) {
+        const double across = 2.0 * i / image.size[0] - 1.0, along = 2.0 * k / image.size[2] - 1.0;
+        image.at(i, j, k) *=
+            static_cast<float>(1.5 * std::exp(-j * image.spacing_mm[1] / 110.0) *
+                               (1.0 + 0.25 * across) * (1.0 - 0.25 * along * along));
+      }
+    }
+  }
+}
 
 /// The left half stretched towards anterior about a plane behind the breasts.
 template <class T>
@@ -92,44 +128,41 @@ Image3<T> with_larger_left_breast(const Image3<T>& image, double factor) {
 }
 
 TEST_P(WorseImage, IsStillSegmented) {
-  SANATRIX_REQUIRE_SHARED("data/dev02/t2.nrrd");
+  SANATRIX_REQUIRE_SHARED(std::string("data/") + GetParam().image);
   Image3<float> image = io::read_image(shared_file);
-  LabelImage truth = io::read_labels(testing::shared_folder() / "data/dev02/labels_mri.nii.gz");
-  const char* name = "";
-  switch (GetParam()) {
+  LabelImage truth = io::read_labels(testing::shared_folder() / "data" / GetParam().truth);
+  switch (GetParam().change) {
     case Change::Noise:  // sqrt(3) of noise on top doubles it
       testing::add_rician_noise(image, std::sqrt(3.0) * 7.2);
-      name = "noise doubled";
       break;
-    case Change::Shading:  // the coil's 1.6 at the nipple to 0.3 at the back once more
-
-      for (int k = 0; k < image.size[2]; ++k) {
-        for (int j = 0; j < image.size[1]; ++j) {
-          for (int i = 0; i < image.size[0]; ++i) {
-            image.at(i, j, k) *=
-                static_cast<float>(1.3 * std::exp(-j * image.spacing_mm[1] / 140.0) *
-                                   (1.0 + 0.2 * (2.0 * i / image.size[0] - 1.0)));
-          }
-        }
-      }
-      name = "shading doubled";
+    case Change::Shading:
+      double_shading(image);
       break;
     case Change::LargerBreast:
       image = with_larger_left_breast(image, 1.3);
       truth = with_larger_left_breast(truth, 1.3);
-      name = "larger left breast";
+      break;
+    case Change::EveryThirdSlice:
+      image = every_third_slice(image);
+      truth = every_third_slice(truth);
       break;
   }
-  const Agreement a = agreement_of(name, image, truth);
+  const Agreement a = agreement_of(GetParam().image, image, truth);
   EXPECT_GE(a.soft_dice, 0.95);
-  EXPECT_GE(a.glandular_dice, 0.75);
+  EXPECT_GE(a.glandular_dice, std::string(GetParam().image).starts_with("dev01") ? 0.66 : 0.75);
   EXPECT_LE(a.chest_wall.mean_mm, 2.5);
   EXPECT_LE(a.chest_wall.p95_mm, 7.0);
   EXPECT_LE(a.skin.mean_mm, 1.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Changes, WorseImage,
-                         ::testing::Values(Change::Noise, Change::Shading, Change::LargerBreast));
+// 10 s each.
+INSTANTIATE_TEST_SUITE_P(
+    Changes, WorseImage,
+    ::testing::Values(Worse{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz", Change::Noise},
+                      Worse{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz", Change::Shading},
+                      Worse{"dev01/t2.nii.gz", "dev01/labels_mri.nii.gz", Change::Shading},
+                      Worse{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz", Change::LargerBreast},
+                      Worse{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz", Change::EveryThirdSlice}));
 
 }  // namespace
 }  // namespace sanatrix::imaging
