@@ -222,6 +222,9 @@ ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
   }
   std::optional<Vec3> up = marks.up ? std::optional(normalised(*marks.up)) : std::nullopt;
   Mat3 rotation = found.rotation;
+  if (up && dot(rotation[2], *up) < 0) {  // what is said counts more than the breasts' shape
+    rotation = {-1.0 * rotation[0], rotation[1], -1.0 * rotation[2]};
+  }
   for (int i = 0; i < 2; ++i) {
     rotation = refined(coarse, rotation, up);
   }
