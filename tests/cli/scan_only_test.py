@@ -56,7 +56,7 @@ class ScanOnly(CliTest):
         self.assertLess(outcome["scans"]["preop"]["model_error"]["both_breasts"]["mean_mm"], 1.0)
         estimate = outcome["scan_only"]
         self.assertTrue(estimate["chest_wall"]["estimated"])
-        self.assertGreater(estimate["breast_doubt_cm3"]["L"], 20)
+        self.assertGreater(estimate["breast_doubt_cm3"]["L"], 10)  # 4 mm over its base
         self.assertTrue([w for w in outcome["warnings"] if "chest wall is estimated" in w])
         # All of the breast, and nothing else, is the mixture.
         tissue = outcome["tissue_cm3"]["L"]
