@@ -120,6 +120,22 @@ double steepness(const ColumnMap& skin_y, const Peak& peak, double nx, double nz
   return sum / count;
 }
 
+/// The middle of the top of a rise: finer than the columns, which would tilt the pair.
+Vec3 tip_of(const FrontMap& front, const ColumnMap& prominence, const Peak& peak) {
+  constexpr double radius_mm = 20.0, top_mm = 6.0;
+  const Vec3 centre = place(front.skin_y, peak.i, peak.k);
+  const double foot = prominence.at(peak.i, peak.k) - top_mm;
+  double x = 0, z = 0, total = 0;
+  around(prominence, peak.i, peak.k, radius_mm, [&](int a, int b, double dx, double dz) {
+    const bool seen = front.seen[prominence.index(a, b)];
+    const double weight = seen ? std::max(0.0, prominence.at(a, b) - foot) : 0.0;
+    x += weight * dx;
+    z += weight * dz;
+    total += weight;
+  });
+  return {centre[0] + x / total, centre[1], centre[2] + z / total};
+}
+
 }  // namespace
 
 std::optional<BreastPair> find_pair(const FrontMap& front, const ColumnMap& prominence) {
@@ -131,8 +147,8 @@ std::optional<BreastPair> find_pair(const FrontMap& front, const ColumnMap& prom
       if (two[0].i > two[1].i) {
         std::swap(two[0], two[1]);
       }
-      const Vec3 a = place(front.skin_y, two[0].i, two[0].k);
-      const Vec3 b = place(front.skin_y, two[1].i, two[1].k);
+      const Vec3 a = tip_of(front, prominence, two[0]);
+      const Vec3 b = tip_of(front, prominence, two[1]);
       const double apart = std::hypot(b[0] - a[0], b[2] - a[2]);
       if (apart < nearest_mm || apart > farthest_mm) {
         continue;

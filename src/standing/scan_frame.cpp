@@ -158,7 +158,11 @@ Mat3 refined(const TriMesh& coarse, const Mat3& rotation, const std::optional<Ve
   }
   const Vec3 middle = 0.5 * (pair->tip_mm[0] + pair->tip_mm[1]);
   Vec3 along = pair->tip_mm[1] - pair->tip_mm[0];
-  const Vec3 vertical = up ? normalised(rotation * *up) : trunk_axis(front, middle[0], middle[2]);
+  Vec3 vertical = up ? normalised(rotation * *up) : trunk_axis(front, middle[0], middle[2]);
+  if (!up) {  // the tips are level; seen from this side, their line is truer than at first
+    const Vec3 level = normalised(along);
+    vertical = normalised(vertical - dot(vertical, level) * level);
+  }
   outcome::Torso torso;
   torso.skin = front.surface;
   torso.up = vertical;
@@ -218,6 +222,9 @@ ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
   }
   std::optional<Vec3> up = marks.up ? std::optional(normalised(*marks.up)) : std::nullopt;
   Mat3 rotation = found.rotation;
+  if (up && dot(rotation[2], *up) < 0) {  // what is said counts more than the breasts' shape
+    rotation = {-1.0 * rotation[0], rotation[1], -1.0 * rotation[2]};
+  }
   for (int i = 0; i < 2; ++i) {
     rotation = refined(coarse, rotation, up);
   }

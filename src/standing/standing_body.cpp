@@ -112,8 +112,9 @@ LabelImage grid_around(const meshing::BreastMap& breasts, const FrontMap& front,
   }
   // Not where the scan ends: what is made up beyond its rim is good for holes, not for a trunk.
   const auto [lowest, highest] = seen_heights(front);
-  low[2] = std::max(low[2] - beyond_mm, lowest);
-  high[2] = std::min(high[2] + above_mm, highest);
+  constexpr double frayed_mm = 8.0;  // rims are rough, and the skin beyond them is made up
+  low[2] = std::max(low[2] - beyond_mm, lowest + frayed_mm);
+  high[2] = std::min(high[2] + above_mm, highest - frayed_mm);
   LabelImage grid{.spacing_mm = {spacing_mm, spacing_mm, spacing_mm}, .voxels = {}};
   std::size_t count = 1;
   for (std::size_t a = 0; a < 3; ++a) {

@@ -12,18 +12,28 @@ def skin(x, z, rise=50.0):
     return chest - rise * math.exp(-0.5 * (across ** 2 + along ** 2))
 
 
-def write_scan(path, unit=1.0, rise=50.0):
+AREOLAS = [(-78.0, -12.0), (90.0, -8.0)]  # x, z [mm], off the tips of the breasts
+
+
+def colour(x, z):
+    """Vertex colours 0..1 of skin with two areolas."""
+    near = min(math.hypot(x - a, z - b) for a, b in AREOLAS)
+    return "0.55 0.31 0.27" if near < 17 else "0.85 0.68 0.58"
+
+
+def write_scan(path, unit=1.0, rise=50.0, coloured=False, keep=lambda x, z: True, extra=""):
     """As a camera delivers it: x left, y up, z to the front; `unit` in millimetres."""
     nx, nz, h = 61, 65, 5.0
     points, faces = [], []
     for k in range(nz):
         for i in range(nx):
             x, z = h * (i - nx // 2), h * (k - nz // 2)
-            points.append((x / unit, (z + 1200) / unit, -skin(x, z, rise) / unit))
-            if i + 1 < nx and k + 1 < nz:
+            points.append((x / unit, (z + 1200) / unit, -skin(x, z, rise) / unit,
+                           colour(x, z) if coloured else ""))
+            if i + 1 < nx and k + 1 < nz and keep(x, z):
                 a = k * nx + i
                 faces += [(a, a + 1, a + nx), (a + 1, a + nx + 1, a + nx)]
-    text = "".join(f"v {x:.4f} {y:.4f} {z:.4f}\n" for x, y, z in points)
+    text = extra + "".join(f"v {x:.4f} {y:.4f} {z:.4f} {c}\n" for x, y, z, c in points)
     path.write_text(text + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces))
 
 
@@ -46,7 +56,7 @@ class ScanOnly(CliTest):
         self.assertLess(outcome["scans"]["preop"]["model_error"]["both_breasts"]["mean_mm"], 1.0)
         estimate = outcome["scan_only"]
         self.assertTrue(estimate["chest_wall"]["estimated"])
-        self.assertGreater(estimate["breast_doubt_cm3"]["L"], 20)
+        self.assertGreater(estimate["breast_doubt_cm3"]["L"], 10)  # 4 mm over its base
         self.assertTrue([w for w in outcome["warnings"] if "chest wall is estimated" in w])
         # All of the breast, and nothing else, is the mixture.
         tissue = outcome["tissue_cm3"]["L"]
@@ -63,6 +73,47 @@ class ScanOnly(CliTest):
         self.assertGreater(x, left[0])  # half past one of the left breast: up and out
         self.assertGreater(z, left[2])
         self.assertGreater(y, left[1])
+
+    def frame(self, case):
+        name = json.loads((case / "case.json").read_text())["inputs"]["scan_frame"]["file"]
+        return json.loads((case / name).read_text())
+
+    def test_areolas_in_inches_and_landmarks_given_later(self):
+        scan, plan, case, marks = (self.folder / name for name in
+                                   ["torso.obj", "plan.json", "case", "marks.json"])
+        write_scan(scan, unit=25.4, coloured=True)
+        plan.write_text(json.dumps(PLAN))
+        made = self.run_ok("new", case, "--scan", scan, "--pose", "upright", "--plan", plan)
+        self.assertIn("scan in in;", made.stdout)
+        frame = self.frame(case)
+        places = frame["nipple_lps_mm"]
+        apart = math.dist(places["R"], places["L"])
+        (x0, z0), (x1, z1) = AREOLAS
+        true = math.dist((x0, skin(x0, z0), z0), (x1, skin(x1, z1), z1))
+        self.assertAlmostEqual(apart, true, delta=5.0)  # half a column of the scan per side
+        self.assertEqual({find["from"] for find in frame["nipples"].values()}, {"colour"})
+        # Marks win, and the plan, which is given from the nipple, moves along.
+        x, z = 100.0, 5.0
+        marks.write_text(json.dumps({"landmarks_scan_mm": {
+            "nipple_L": [x, z + 1200, -skin(x, z)]}}))
+        before = json.loads((case / "case.json").read_text())["inputs"]["plan"]
+        self.run_ok("run", case, "--landmarks", marks, "--to", "image", *QUICK)
+        self.assertEqual(self.frame(case)["nipples"]["L"]["from"], "mark")
+        self.assertNotEqual(json.loads((case / "case.json").read_text())["inputs"]["plan"], before)
+
+    def test_scans_that_cannot_be_used(self):
+        scan, case = self.folder / "torso.obj", self.folder / "case"
+        words = ["new", case, "--scan", scan, "--pose", "upright"]
+        scan.write_text("")
+        self.refused(2, *words, says=["no faces"])
+        write_scan(scan, unit=1000.0)
+        self.refused(2, *words, "--scan-unit", "mm", says=["in mm", "--scan-unit"])
+        write_scan(scan, keep=lambda x, z: x > 0)  # one side only
+        self.refused(2, *words, says=["breast"])
+        # A face on an edge that two have already: read, not refused.
+        write_scan(scan, coloured=True)
+        scan.write_text(scan.read_text() + "v 0 1200 -60\nf 1900 1901 3966\n")
+        self.run_ok(*words)
 
     def test_bad_input_is_told_in_a_line(self):
         scan, case = self.folder / "torso.obj", self.folder / "case"

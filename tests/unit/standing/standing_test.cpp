@@ -39,6 +39,14 @@ TEST(ScanFrame, IsFoundInAnyPose) {
   }
 }
 
+TEST(ScanFrame, WhatIsSaidToBeUpIsUp) {
+  ScanLandmarks marks;
+  marks.up = Vec3{0, 0, -1};  // as if the patient stood on her head
+  const ScanFrame frame = find_frame(plain(Trunk{}.scan()), marks);
+  EXPECT_LT(frame.to_patient.rotation[2][2], -0.99);
+  EXPECT_LT(frame.to_patient.rotation[0][0], -0.99);
+}
+
 TEST(ScanFrame, ATrunkWithoutBreastsIsRefused) {
   EXPECT_THROW(find_frame(plain(Trunk{.rise_mm = 4.0}.scan()), {}), Error);
 }
