@@ -19,7 +19,7 @@ constexpr float skin_edge = 0.17F;
 constexpr double surroundings_mm = 0.6;
 /// A voxel with this share counts as gland. Less than a half: slices are thicker than strands of
 /// gland and mix them with the fat around, which is more than the gland.
-constexpr float gland_share = 0.46F;
+constexpr float gland_share = 0.48F;
 constexpr double muscle_mm = 12.0;    ///< behind the fascia; pectorals and ribs
 constexpr float lung_signal = 0.10F;  ///< relative to fat
 

@@ -17,6 +17,7 @@ struct Quality {
   double wall_contrast = 0.0;             ///< median step at the chest wall, 0..1 of fat's signal
   double wall_seen = 0.0;                 ///< share of the wall with a clear step
   double wall_roughness_mm = 0.0;         ///< root mean square of its second differences
+  double wall_blind = 0.0;                ///< share of its patches of 30 mm that are hardly seen
   double separation = 0.0;                ///< fat against gland, in standard deviations of fat
   std::vector<std::string> doubts;        ///< usable, but look
   std::vector<std::string> defects;       ///< not usable because ...

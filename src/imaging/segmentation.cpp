@@ -10,11 +10,13 @@
 #include "imaging/landmarks.hpp"
 #include "imaging/presets.hpp"
 #include "imaging/resample.hpp"
+#include "imaging/skin_landmarks.hpp"
 #include "io/image_file.hpp"
 
 namespace sanatrix::imaging {
 namespace {
 
+constexpr double sure_nipple = 0.4;         ///< confidence; 25 mm of flat skin around it
 constexpr double most_slice_gap_mm = 12.0;  ///< of images; the import warns above 6
 
 template <class T>
@@ -281,6 +283,14 @@ ImageSegmentation segment_image(const Image3<float>& image, double spacing_mm,
   assess(result.segmentation.labels, result.segmentation.midline_x_mm, result.quality);
   for (const std::string& doubt : result.quality.doubts) {
     result.segmentation.warnings.push_back(doubt);
+  }
+  for (const SkinLandmark& mark : skin_landmarks(result.segmentation)) {
+    if (mark.name.starts_with("nipple") && mark.confidence < sure_nipple) {
+      result.segmentation.warnings.push_back(fmt::format(
+          "{} is uncertain (confidence {:.2f}): the skin around its most anterior point "
+          "is flat; lengths from it are, too; label it and give the labels with --labels",
+          mark.name, mark.confidence));
+    }
   }
   if (!result.quality.defects.empty()) {
     throw Error(Fault::Input, "not usable because " + result.quality.defects.front(),

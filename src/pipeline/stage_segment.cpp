@@ -21,6 +21,7 @@ json quality_json(const imaging::Quality& q) {
           {"fibroglandular_cm3", {{"R", q.glandular_cm3[0]}, {"L", q.glandular_cm3[1]}}},
           {"chest_wall_contrast", q.wall_contrast},
           {"chest_wall_seen_share", q.wall_seen},
+          {"chest_wall_blind_share", q.wall_blind},
           {"chest_wall_roughness_mm", q.wall_roughness_mm},
           {"fat_gland_separation_sd", q.separation},
           {"doubts", q.doubts}};

@@ -1,12 +1,13 @@
 """Images in: DICOM series are chosen, checked and made anonymous. Usage: image_test.py PROGRAM"""
 import gzip
 import json
+import math
 import random
 import re
 import struct
 
 from dicom_files import Series, dicom_file, element
-from sanatrix_cli import CliTest, _label, main, sanatrix
+from sanatrix_cli import CliTest, _label, main, sanatrix, write_nifti, write_patient
 
 
 def torso():
@@ -169,6 +170,41 @@ class Images(CliTest):
         facts = json.loads((case / "inputs/image.json").read_text())
         self.assertEqual(facts["deidentification"]["method_codes"], ["113100"])
         self.assertGreaterEqual(facts["deidentification"]["elements_left_behind"], 60)
+
+    def tumour_mask(self, name, centre):
+        """A ball of 7 mm as a mask of 2 mm voxels."""
+        spacing, origin, size = 2.0, (-100.0, -50.0, -40.0), (101, 60, 41)
+        voxels = bytes(math.dist([o + spacing * n for o, n in zip(origin, (i, j, k))], centre) < 7.0
+                       for k in range(size[2]) for j in range(size[1]) for i in range(size[0]))
+        write_nifti(self.folder / name, size, spacing, origin, voxels)
+        return self.folder / name
+
+    def test_a_mask_says_where_the_tumour_is(self):
+        folder = torso().write(self.folder / "study")
+        _, plan = write_patient(self.folder / "patient")
+        case = self.folder / "case"
+        self.run_ok("new", case, "--image", folder, "--plan", plan,
+                    "--tumour", self.tumour_mask("there.nii.gz", (72, -8, 8)))
+        kept = json.loads((case / "inputs/tumour.json").read_text())
+        self.assertLess(math.dist(kept["centre_lps_mm"], (72, -8, 8)), 0.2)
+        self.assertAlmostEqual(kept["radius_mm"], 7.0, delta=0.3)
+        self.refused(2, "new", self.folder / "other", "--image", folder, "--plan", plan,
+                     "--tumour", self.tumour_mask("other.nii.gz", (-72, -8, 8)), says=["tumour"])
+        self.refused(2, "new", self.folder / "none", "--image", folder, "--plan", plan,
+                     "--tumour", self.tumour_mask("none.nii.gz", (0, 900, 0)), says=["empty"])
+
+    def test_landmarks_are_where_the_skin_says(self):
+        labels, plan = write_patient(self.folder / "patient")
+        case = self.folder / "case"
+        self.run_ok("new", case, "--labels", labels, "--plan", plan)
+        self.run_ok("run", case, "--to", "segment", "--set", "segment.spacing_mm=2")
+        marks = json.loads(next(case.glob("stages/*/landmarks.json")).read_text())
+        # The breasts are ellipsoids about (+-62, 17, 0) with half axes of 46, 62 and 50 mm.
+        for side, x in [("right", -62), ("left", 62)]:
+            mark = marks[f"nipple_{side}"]
+            self.assertLess(math.dist(mark["lps_mm"], (x, -45, 0)), 4.0)
+            self.assertGreater(mark["confidence"], 0.5)
+        self.assertLess(abs(marks["midline"]["lps_mm"][0]), 2.0)
 
     def test_damaged_files_never_crash_the_program(self):
         whole = torso().write(self.folder / "whole")
