@@ -155,7 +155,7 @@ TEST(Warp, BendsTheSkinOntoTheScanAndCarriesDisplacements) {
 }
 
 TEST(Warp, CarriesThePhotographToTheSamePlaces) {
-  TexturedSurface scan{trunk(), {}, {256, 256, {}}};
+  TexturedSurface scan{trunk(), {}, {256, 256, {}}, {}};
   for (int y = 0; y < 256; ++y) {
     for (int x = 0; x < 256; ++x) {
       for (const int value : {x, y, 100}) {
