@@ -528,7 +528,7 @@ class Works(CliTest):
         print(f"live numbers of a plan: {sorted(times)[5]:.0f} ms (median of 10), {cpu:.0f} ms of "
               f"CPU", flush=True)
         # 200 ms are promised on a busy machine, where a tenth of a core may be what one gets.
-        self.assertLess(cpu, 60)
+        self.assertLess(cpu, 45)  # 22 measured; 62 without kept distances
         # Live measures with half the resolution: within 1.5 % (documented: 1 % on finer meshes).
         self.assertAlmostEqual(live["excised_cm3"] / full["excised_cm3"], 1, delta=0.015)
         wider, _ = ask({**plan, "planned_margin_mm": 16.0})

@@ -58,7 +58,7 @@ export interface Session {
 }
 /** What `sanatrix inspect --json` says about images. */
 export interface Series {
-  series: number; modality: string; weighting: string; plane: string; patient_position: string; size: number[]; spacing_mm: number[];
+  series: number; series_number: number; modality: string; weighting: string; plane: string; patient_position: string; size: number[]; spacing_mm: number[];
   chosen: boolean; not_chosen_because?: string; warnings: string[];
 }
 export type ImageContents = { kind: 'DICOM'; series: Series[]; nothing_chosen?: string } | { kind: 'image file'; size: number[]; spacing_mm: number[] };

@@ -6,7 +6,7 @@ import { text } from '../text';
 const t = text.series;
 const across = (values: number[], digits: number): string => values.map((v) => v.toFixed(digits).replace(/\.?0+$/, '')).join(' × ');
 
-export const describe = (s: Series): string => t.line(s.series, s.weighting, s.plane, s.patient_position, s.size[2]);
+export const describe = (s: Series): string => t.line(s.series_number || s.series, s.weighting, s.plane, s.patient_position, s.size[2]);
 export const grid = (s: Series): string => `${across(s.size, 0)}, ${across(s.spacing_mm, 2)} mm`;
 
 export class SeriesChoice {
