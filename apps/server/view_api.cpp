@@ -186,7 +186,8 @@ std::string scene_bundle(const pipeline::Case& patient, const CaseView& view) {
   const meshing::BreastModel& model = view.model();
   const Shell shell = make_shell(model.mesh);
   Bundle bundle;
-  bundle.head = {{"groups", shell.groups},
+  bundle.head = {{"captured", patient.scan_only() ? "scan" : "image"},
+                 {"groups", shell.groups},
                  {"midline_x_mm", 1e3 * model.midline_x_m},
                  {"poses", json::array()},
                  {"nipple", json::object()}};

@@ -65,7 +65,7 @@ export type ImageContents = { kind: 'DICOM'; series: Series[]; nothing_chosen?: 
 export interface ResultFile { stage: string; file: string; bytes: number }
 export interface Tumour { radius_mm: number; centre: Record<string, Point> }
 export interface SceneHead {
-  poses: string[]; groups: { name: string; first: number; count: number }[];
+  captured: 'image' | 'scan'; poses: string[]; groups: { name: string; first: number; count: number }[];
   midline_x_mm: number; nipple: Record<Side, Record<string, Point>>; tumour?: Tumour;
 }
 export interface PreviewHead {

@@ -86,7 +86,7 @@ export const text = {
     canvas: 'Three-dimensional view of the patient. Arrow keys turn it, plus and minus zoom, R resets, End shows the front.',
     front: 'Front', left: 'Left', right: 'Right', above: 'Above', leftOblique: 'L oblique', rightOblique: 'R oblique', reset: 'Reset',
     pose: 'Position',
-    poses: { prone: 'Prone (as imaged)', unloaded: 'Without gravity', supine: 'On the table', healed: 'On the table, healed',
+    poses: { prone: 'Prone (as imaged)', scanned: 'Standing (as scanned)', unloaded: 'Without gravity', supine: 'On the table', healed: 'On the table, healed',
       before: 'Standing, before', after: 'Standing, after' } as Record<string, string>,
     between: (a: string, b: string) => `${a} → ${b}`,
     noWebgl: 'This browser shows no 3-D graphics. The pictures below come from the server; all numbers are the same.',
@@ -103,7 +103,7 @@ export const text = {
     views: 'Views',
   },
   anatomy: {
-    lead: 'The same breast in three positions, computed from the MRI. Check that it looks like your patient before you plan.',
+    lead: 'The same breast in three positions, computed from her images. Check that it looks like your patient before you plan.',
     waiting: 'The positions appear here as they are computed.',
     volume: 'Breast volume',
     meshed: 'The model is ready for planning.',

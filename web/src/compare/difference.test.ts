@@ -18,7 +18,7 @@ function square(n: number, moved: (x: number, z: number) => number): Body {
     'points.prone': new Float32Array(points), 'points.before': new Float32Array(points), 'points.after': new Float32Array(after),
   };
   const get = (name: string): never => arrays[name] as never;
-  const head = { poses: ['prone', 'before', 'after'], groups: [{ name: 'skin', first: 0, count: triangles.length / 3 }], midline_x_mm: 0, nipple: { L: {}, R: {} } };
+  const head = { captured: 'image' as const, poses: ['prone', 'before', 'after'], groups: [{ name: 'skin', first: 0, count: triangles.length / 3 }], midline_x_mm: 0, nipple: { L: {}, R: {} } };
   return new Body({ head: head as unknown as SceneHead, f32: get, u32: get, u8: get, has: (name: string) => name in arrays } as Bundle<SceneHead>);
 }
 

@@ -4,7 +4,7 @@ import { h } from '../dom';
 import { text } from '../text';
 import type { Body } from './body';
 import type { StandardView } from './camera';
-import { along, at } from './pose';
+import { along, at, poseName } from './pose';
 import type { Viewer } from './viewer';
 
 const t = text.view;
@@ -25,7 +25,7 @@ export function viewBar(viewer: Viewer, toggle?: { label: string; value: boolean
 export function posePicker(app: App, body: Body, wanted: string[], start: string): HTMLElement {
   const poses = wanted.filter((p) => body.has(p));
   const first = Math.max(0, poses.indexOf(start));
-  const stops = poses.map((pose, i) => h('button', { type: 'button', class: 'stop', onclick: () => { input.value = String(i); show(); } }, t.poses[pose]));
+  const stops = poses.map((pose, i) => h('button', { type: 'button', class: 'stop', onclick: () => { input.value = String(i); show(); } }, poseName(body.head, pose)));
   const input = h('input', {
     type: 'range', min: 0, max: poses.length - 1, step: 0.02, 'aria-label': t.pose,
     oninput: () => show(),
@@ -34,7 +34,7 @@ export function posePicker(app: App, body: Body, wanted: string[], start: string
     const position = input.valueAsNumber, near = Math.round(position), isAt = Math.abs(position - near) < 0.03;
     const pose = poses.length > 1 ? along(poses, isAt ? near : position) : at(poses[0]);
     body.setPose(pose);
-    input.setAttribute('aria-valuetext', isAt ? t.poses[poses[near]] : t.between(t.poses[pose.from], t.poses[pose.to]));
+    input.setAttribute('aria-valuetext', isAt ? poseName(body.head, poses[near]) : t.between(poseName(body.head, pose.from), poseName(body.head, pose.to)));
     stops.forEach((stop, i) => stop.setAttribute('aria-pressed', String(isAt && i === near)));
     app.viewer?.draw();
   };

@@ -4,6 +4,7 @@ import type { Bundle } from '../bundle';
 import { h } from '../dom';
 import { text } from '../text';
 import * as colours from './colours';
+import { poseName } from './pose';
 import { draw, eyeAt, project, type Eye } from './raster';
 
 const t = text.view, width = 560, height = 460;
@@ -31,7 +32,7 @@ export class Flat {
   }
   static ofPoses(scene: Bundle<SceneHead>): Flat {
     const poses = ['prone', 'supine', 'before'].filter((p) => scene.head.poses.includes(p));
-    return new Flat(scene, poses.flatMap((pose) => [0, 55].map((azimuth) => ({ pose, azimuth, title: `${t.poses[pose]}, ${azimuth ? t.fromSide(text.sideShort.L) : t.fromFront}` }))));
+    return new Flat(scene, poses.flatMap((pose) => [0, 55].map((azimuth) => ({ pose, azimuth, title: `${poseName(scene.head, pose)}, ${azimuth ? t.fromSide(text.sideShort.L) : t.fromFront}` }))));
   }
 
   show(preview: Bundle<PreviewHead> | null): void {

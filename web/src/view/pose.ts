@@ -1,5 +1,8 @@
 // Between two poses: straight lines of every point. Enough for a slider; results are never read off
 // in between.
+import type { SceneHead } from '../api';
+import { text } from '../text';
+
 export interface Pose { from: string; to: string; t: number }
 export const at = (name: string): Pose => ({ from: name, to: name, t: 0 });
 
@@ -8,6 +11,11 @@ export function mixed(into: Float32Array, points: (name: string) => Float32Array
   if (from === to || t === 0) { into.set(a); return; }
   const b = points(to);
   for (let i = 0; i < into.length; ++i) into[i] = a[i] + t * (b[i] - a[i]);
+}
+
+/** 'prone' is the pose in which she was captured; a scan alone is of her standing. */
+export function poseName(head: SceneHead, pose: string): string {
+  return text.view.poses[pose === 'prone' && head.captured === 'scan' ? 'scanned' : pose];
 }
 
 /** A slider over a row of poses: 0 is the first, 1 the second ... */
