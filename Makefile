@@ -9,7 +9,7 @@ export SANATRIX_SHARED ?= $(abspath ../shared)
 export OPENBLAS_NUM_THREADS ?= 1
 
 .DEFAULT_GOAL := build
-.PHONY: run serve build test bench format clean packages configure
+.PHONY: run serve build test bench format tidy clean packages configure
 
 ## run: build, then take the built-in patient through every step into out/case
 run: build
@@ -60,6 +60,11 @@ packages:
 ## format: clang-format on all sources
 format:
 	@git ls-files '*.cpp' '*.hpp' | xargs clang-format-16 -i
+
+## tidy: clang-tidy's checks (.clang-tidy) on all sources, or on TIDY="src/fem/*.cpp ..."
+TIDY ?= $(shell git ls-files 'src/*.cpp' 'apps/*.cpp')
+tidy: configure
+	@printf '%s\n' $(TIDY) | xargs -P $(JOBS) -n 4 clang-tidy-16 -p $(BUILD) --quiet
 
 ## serve: build, then the planner in the browser on out/cases
 serve: build

@@ -131,6 +131,7 @@ void work(const Arguments& given, const Common& common, pipeline::Team& team) {
   const fs::path folder = fs::weakly_canonical(given.folder);
   const fs::path out =
       given.out.empty() ? fs::path(folder.string() + ".convergence") : fs::absolute(given.out);
+  pipeline::open_case(folder);  // what is no case is refused before anything is locked or made
   std::optional<pipeline::CaseLock> lock;
   if (team.leads()) {
     lock.emplace(folder);

@@ -19,9 +19,13 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 constexpr double allowed_growth = 10.0;
 /// A step that lowers the residual to this share of it hardly changes the matrix.
 constexpr double quiet = 0.1;
+/// Taylor-Hood: a first try at the whole load that is not below its start after this many steps
+/// goes astray, and half the load first takes fewer iterations in all (docs/performance.md).
+constexpr int trial_steps = 3;
 /// Below this share of a step the search direction is no good: the load step is halved instead.
 constexpr double smallest_step = 1e-3;
 
+enum class Patience { Little, All };         ///< Little: half the load can still be tried
 enum class Tangent { None, AtRest, Exact };  ///< AtRest: membranes answer as at rest
 
 std::vector<double> minus(const std::vector<double>& a, const std::vector<double>& b, double s) {
@@ -55,7 +59,7 @@ struct Solver::Impl {
   Impl(const Body& body, SolveOptions o) : discrete(body), options(o) {}
 
   bool newton(State& state, const std::vector<double>& target, double share, bool at_rest,
-              const Context& ctx, double done);
+              Patience patience, const Context& ctx, double done);
   bool evaluate(const State& state, const std::vector<double>& target, double share,
                 Tangent tangent, std::vector<double>& r);
   bool line_search(State& state, const std::vector<double>& direction,
@@ -106,8 +110,9 @@ bool Solver::Impl::line_search(State& state, const std::vector<double>& directio
 
 /// Solves R(state) = share * target. False when it does not converge; state is then unspecified.
 bool Solver::Impl::newton(State& state, const std::vector<double>& target, double share,
-                          bool at_rest, const Context& ctx, double done) {
+                          bool at_rest, Patience patience, const Context& ctx, double done) {
   const double tolerance = options.relative_tolerance * discrete.load_scale();
+  double first = 0.0;
   double previous = 0.0;
   std::vector<double> r;
   if (!evaluate(state, target, share, at_rest ? Tangent::AtRest : Tangent::Exact, r)) {
@@ -123,7 +128,9 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
       report.min_jacobian = discrete.worst_J();
       return true;
     }
-    if (it == options.max_newton || !std::isfinite(now)) {
+    first = it == 0 ? now : first;
+    const bool astray = patience == Patience::Little && it == trial_steps && now > first;
+    if (astray || it == options.max_newton || !std::isfinite(now)) {
       return false;
     }
     // Eisenstat and Walker, choice 2 (doi:10.1137/0917003), never tighter than the goal needs.
@@ -170,7 +177,9 @@ State Solver::Impl::follow_load(State state, bool from_rest, const Context& ctx)
     const double next = std::min(1.0, load + step);
     State trial = state;
     const bool at_rest = from_rest && load == 0.0;
-    if (newton(trial, start_residual, 1.0 - next, at_rest, ctx, load)) {
+    const bool may_halve = at_rest && halvings == 0 && discrete.body().element == Element::P2P1;
+    const Patience patience = may_halve ? Patience::Little : Patience::All;
+    if (newton(trial, start_residual, 1.0 - next, at_rest, patience, ctx, load)) {
       state = std::move(trial);
       load = next;
       ++report.load_steps;
