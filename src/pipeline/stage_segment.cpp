@@ -79,10 +79,9 @@ imaging::Segmentation from_scan(const StageInput& in, StageNotes& notes) {
   write_text(in.out / "scan_only.json", j.dump(2) + "\n");
   auto& warnings = body.segmentation.warnings;
   warnings.push_back(fmt::format(
-      "no image: the chest wall is estimated from the skin, +-{:.0f} mm (1 sd); breast volumes "
-      "R {:.0f} +-{:.0f} cm3, L {:.0f} +-{:.0f} cm3",
-      standing::wall_doubt_mm, body.breast_cm3[0], body.breast_doubt_cm3[0], body.breast_cm3[1],
-      body.breast_doubt_cm3[1]));
+      "no image: the chest wall is estimated from the skin, +-{:.0f} mm (1 sd), and with it the "
+      "volumes of the breasts, R +-{:.0f} cm3, L +-{:.0f} cm3",
+      standing::wall_doubt_mm, body.breast_doubt_cm3[0], body.breast_doubt_cm3[1]));
   warnings.push_back(fmt::format(
       "no image: tissue is taken as an even mixture, {:.0f} % fibroglandular (density class {})",
       100 * gland_share(density), density));

@@ -8,9 +8,8 @@ namespace sanatrix::standing {
 
 /// Fills the voxels with the distance [mm] to the skin, negative inside. The sign is that of the
 /// nearest skin's normal (Baerentzen and Aanaes, doi:10.1109/TVCG.2005.49): where the scan has a
-/// hole or ends, the skin goes on from the rim, bent inwards as a breast is, and is then faired
-/// with what lies beside it: holes are crossed by a smooth surface, also the fold below a breast
-/// that no camera saw.
+/// hole or ends, the skin goes on from the rim, bent inwards as a breast is, and two rims meet in
+/// an edge, as in the fold below a breast that no camera saw.
 void measure_body(const TriMesh& skin, Image3<float>& distance_mm);
 
 }  // namespace sanatrix::standing
