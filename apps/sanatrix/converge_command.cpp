@@ -181,16 +181,8 @@ void add_converge(CLI::App& app, Common& common, Command& chosen) {
       ->delimiter(',')
       ->check(CLI::Range(0.1, 365.0));
   command->add_option("--out", given->out, "folder of the results (default: CASE.convergence)");
-  add_ranks(*command, common);
-  add_json(*command, common);
-  add_progress(*command, common);
-  command->callback([given, &common, &chosen] {
-    chosen = [=, &common] {
-      return must_launch_ranks(common)
-                 ? launch_ranks(common)
-                 : with_team([&](pipeline::Team& team) { work(*given, common, team); });
-    };
-  });
+  add_team_work(*command, common, chosen,
+                [given, &common](pipeline::Team& team) { work(*given, common, team); });
 }
 
 }  // namespace sanatrix::app

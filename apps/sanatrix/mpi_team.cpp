@@ -67,10 +67,14 @@ int with_team(const std::function<void(pipeline::Team&)>& work) {
   return 0;
 }
 
+namespace {
+
+/// Should this process start `mpirun` instead of working itself?
 bool must_launch_ranks(const Common& common) {
   return common.ranks > 1 && std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr;
 }
 
+/// The same command under `mpirun -n N`; returns its exit code.
 int launch_ranks(const Common& common) {
   setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);  // containers run as root
   setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
@@ -99,6 +103,20 @@ int launch_ranks(const Common& common) {
     return exit_interrupted;
   }
   return WIFEXITED(state) ? WEXITSTATUS(state) : exit_code(Fault::Resource);
+}
+
+}  // namespace
+
+void add_team_work(CLI::App& command, Common& common, Command& chosen,
+                   const std::function<void(pipeline::Team&)>& work) {
+  add_ranks(command, common);
+  add_json(command, common);
+  add_progress(command, common);
+  command.callback([=, &common, &chosen] {
+    chosen = [=, &common] {
+      return must_launch_ranks(common) ? launch_ranks(common) : with_team(work);
+    };
+  });
 }
 
 }  // namespace sanatrix::app

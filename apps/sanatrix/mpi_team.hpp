@@ -11,9 +11,9 @@ namespace sanatrix::app {
 /// Starts MPI and PETSc, works, and returns the exit code. A failure on one rank ends all.
 int with_team(const std::function<void(pipeline::Team&)>& work);
 
-/// Should this process start `mpirun` instead of working itself?
-bool must_launch_ranks(const Common& common);
-/// The same command under `mpirun -n N`; returns its exit code.
-int launch_ranks(const Common& common);
+/// Gives the command --ranks, --json, -v and -q, and this work, done by as many processes as
+/// --ranks says.
+void add_team_work(CLI::App& command, Common& common, Command& chosen,
+                   const std::function<void(pipeline::Team&)>& work);
 
 }  // namespace sanatrix::app

@@ -116,20 +116,12 @@ void add_run(CLI::App& app, Common& common, Command& chosen) {
       ->allow_extra_args(true);
   command->add_option("--plan", given->plan, "replaces the surgical plan");
   given->scans.add_to(*command);
-  add_ranks(*command, common);
-  add_json(*command, common);
-  add_progress(*command, common);
   command->footer([] {
     return "Stages: " + stage_names() + "\n\nParameters for --set (sanatrix params shows all):\n" +
            parameters_text();
   });
-  command->callback([given, &common, &chosen] {
-    chosen = [=, &common] {
-      return must_launch_ranks(common)
-                 ? launch_ranks(common)
-                 : with_team([&](pipeline::Team& team) { work(*given, common, team); });
-    };
-  });
+  add_team_work(*command, common, chosen,
+                [given, &common](pipeline::Team& team) { work(*given, common, team); });
 }
 
 }  // namespace sanatrix::app

@@ -48,16 +48,8 @@ void add_solve(CLI::App& app, Common& common, Command& chosen) {
   command->add_option("PROBLEM", given->file, "problem file (JSON)")->required();
   command->add_option("--out", given->out, "folder for result.json, result.vtu, history.csv")
       ->required();
-  add_ranks(*command, common);
-  add_json(*command, common);
-  add_progress(*command, common);
-  command->callback([given, &common, &chosen] {
-    chosen = [=, &common] {
-      return must_launch_ranks(common) ? launch_ranks(common)
-                                       : with_team([&](pipeline::Team& team) {
-                                           work(given->file, given->out, common, team);
-                                         });
-    };
+  add_team_work(*command, common, chosen, [given, &common](pipeline::Team& team) {
+    work(given->file, given->out, common, team);
   });
 }
 

@@ -65,16 +65,8 @@ void add_verify(CLI::App& app, Common& common, Command& chosen) {
   command->add_option("--only", given->only, "one case, or all whose name begins with this");
   command->add_flag("--fast", given->fast, "only the cases that are also tests");
   command->add_option("--write", given->write, "folder for the credibility page and its plots");
-  add_ranks(*command, common);
-  add_json(*command, common);
-  add_progress(*command, common);
-  command->callback([given, &common, &chosen] {
-    chosen = [=, &common] {
-      return must_launch_ranks(common)
-                 ? launch_ranks(common)
-                 : with_team([&](pipeline::Team& team) { work(*given, common, team); });
-    };
-  });
+  add_team_work(*command, common, chosen,
+                [given, &common](pipeline::Team& team) { work(*given, common, team); });
 }
 
 }  // namespace sanatrix::app
