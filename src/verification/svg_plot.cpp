@@ -53,12 +53,19 @@ Axis make_axis(const Plot& plot, std::vector<double> Curve::*values, bool log, d
                double to) {
   double low = 1e300;
   double high = -1e300;
+  const auto show = [&](double v) {
+    if (std::isfinite(v) && (!log || v > 0.0)) {
+      low = std::min(low, v);
+      high = std::max(high, v);
+    }
+  };
   for (const Curve& curve : plot.curves) {
-    for (const double v : curve.*values) {
-      if (std::isfinite(v) && (!log || v > 0.0)) {
-        low = std::min(low, v);
-        high = std::max(high, v);
-      }
+    const auto& at = curve.*values;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      const bool has_bar = values == &Curve::y && i < curve.error_bar.size();
+      const double bar = has_bar ? curve.error_bar[i] : 0.0;
+      show(at[i] - bar);
+      show(at[i] + bar);
     }
   }
   if (log) {
