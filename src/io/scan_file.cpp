@@ -44,7 +44,7 @@ struct NamedUnit {
   double least_guess_m;  ///< shorter than this, another unit is likelier
 };
 constexpr std::array<NamedUnit, 4> units{{{ScanUnit::Millimetre, "mm", 1e-3, 0.15},
-                                          {ScanUnit::Centimetre, "cm", 1e-2, 0.24},
+                                          {ScanUnit::Centimetre, "cm", 1e-2, 0.20},
                                           {ScanUnit::Inch, "in", 0.0254, 0.15},
                                           {ScanUnit::Metre, "m", 1.0, 0.15}}};
 
@@ -66,7 +66,7 @@ double extent_of(const RawScan& raw) {
 }
 
 /// A trunk is between 0.15 and 1.5 m long. The first that fits: only centimetres and inches can be
-/// mistaken for each other, and a scan of both breasts is no shorter than 24 cm.
+/// mistaken for each other, and a scan of both breasts is hardly shorter than 20 cm.
 NamedUnit find_unit(const RawScan& raw, ScanUnit asked, const std::string& name) {
   constexpr double shortest_m = 0.15, longest_m = 1.5;
   const double extent = extent_of(raw);
