@@ -14,6 +14,7 @@ import argparse
 import json
 import pathlib
 import statistics
+import subprocess
 import tempfile
 
 from runs import run
@@ -30,9 +31,16 @@ def mesh_settings(thousands):
             f"mesh.far_edge_mm={8 * factor:.3f}", "mesh.time_limit_s=3000"]
 
 
+def knows(binary, key):
+    """Older builds have fewer parameters (and draw their pictures)."""
+    return key in subprocess.check_output([binary, "params"], text=True)
+
+
 def make_case(binary, inputs, folder, settings):
     run([binary, "new", folder, "--labels", inputs["labels"], "--plan", inputs["plan"]])
-    words = [word for setting in [*settings, "outcome.pictures=no"] for word in ("--set", setting)]
+    if knows(binary, "outcome.pictures"):
+        settings = [*settings, "outcome.pictures=no"]
+    words = [word for setting in settings for word in ("--set", setting)]
     run([binary, "run", folder, *words, "-q", "--to", "segment"])
     return folder
 
