@@ -55,9 +55,13 @@ double blind_share(const ChestWall& wall, double slice_mm) {
 }
 
 void check_wall(Quality& q) {
-  if (q.wall_seen < least_seen || q.wall_blind > most_blind) {
+  if (q.wall_seen < least_seen) {
     q.defects.push_back(
         fmt::format("the chest wall is seen on only {:.0f} % of its front", 100.0 * q.wall_seen));
+  } else if (q.wall_blind > most_blind) {
+    q.defects.push_back(
+        fmt::format("noise or shading hides {:.0f} % of the chest wall's places of 30 mm",
+                    100.0 * q.wall_blind));
   } else if (q.wall_seen < doubtful_seen) {
     q.doubts.push_back(
         fmt::format("the chest wall is seen on {:.0f} % of its front; the rest is interpolated",

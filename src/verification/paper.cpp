@@ -72,7 +72,7 @@ Findings curvature(const Context& ctx) {
   body.fixed = symmetry_supports(mesh);
   for (const double w : wound) {
     body.tissue.push_back(w > 0.0 ? mechanics::Tissue{200.0, 200.0, 1e4, 1000.0, 1.0, 830.0}
-                                  : mechanics::Tissue{112.5, 112.5, 5e5, 1000.0, 1.0, 0.0});
+                                  : healthy_tissue);
   }
   mechanics::Solver solver(body);
   const auto shape = solver.forward(mesh.points, {}, nullptr, ctx);
