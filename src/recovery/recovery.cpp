@@ -43,6 +43,7 @@ class Recovery {
   Result run(const std::optional<Checkpoint>& resume, const Context& ctx);
 
  private:
+  [[nodiscard]] std::vector<mechanics::Tissue> tissue_now(bool traction) const;
   void solve_mechanics(bool traction, double density, double tolerance, const Context& ctx);
   [[nodiscard]] std::optional<mechanics::Shape> predicted(double density) const;
   void operate(const Context& ctx);
@@ -90,15 +91,18 @@ std::optional<mechanics::Shape> Recovery::predicted(double density) const {
   return next;
 }
 
+std::vector<mechanics::Tissue> Recovery::tissue_now(bool traction) const {
+  healing::WoundMechanics wound = problem_.model->mechanics();
+  wound.active_stress = traction ? wound.active_stress : 0.0;
+  return healing_tissue(problem_.body->tissue, problem_.wound_fraction, species_.cell_density(),
+                        wound);
+}
+
 /// Equilibrium with the tissue of the moment, from the last one or from the prediction, whichever
 /// is nearer to it. `density`: the mean cell density for which it is.
 void Recovery::solve_mechanics(bool traction, double density, double tolerance,
                                const Context& ctx) {
-  healing::WoundMechanics wound = problem_.model->mechanics();
-  wound.active_stress = traction ? wound.active_stress : 0.0;
-  result_.tissue = healing_tissue(problem_.body->tissue, problem_.wound_fraction,
-                                  species_.cell_density(), wound);
-  solver_.set_tissue(result_.tissue);
+  solver_.set_tissue(tissue_now(traction));
   solver_.set_tolerance(tolerance);
   const double start = now_s();
   const auto misfit = [&](const mechanics::Shape& shape) {
@@ -243,6 +247,7 @@ Result Recovery::run(const std::optional<Checkpoint>& resume, const Context& ctx
                                     next, 100.0 * last_.volume_ratio, 100.0 * last_.eta_mean));
   }
   result_.healed = shape_;
+  result_.tissue = tissue_now(true);  // also of a run that resumed with nothing left to compute
   result_.species = species_.state();
   return result_;
 }
