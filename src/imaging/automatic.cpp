@@ -12,7 +12,7 @@ namespace sanatrix::imaging {
 namespace {
 
 constexpr double working_mm = 1.2;  ///< in-plane voxel size for field and chest wall
-constexpr double wide_knots_mm = 70.0, fine_knots_mm = 45.0;
+constexpr double wide_knots_mm = 70.0, fine_knots_mm = 45.0, finest_knots_mm = 25.0;
 constexpr double skin_mm = 2.0;  ///< thickness; Huang et al., doi:10.1118/1.2841938: 1-2.5 mm
 /// Half way between air and skin, relative to fat: skin has about a third of fat's signal.
 constexpr float skin_edge = 0.17F;
@@ -181,7 +181,9 @@ Coarse find_on_working_grid(const Image3<float>& ordered, const Context& ctx) {
   ChestWall wall = find_chest_wall(divided(small, signal), body, cleft.i_mm, cleft.j_mm);
   // Once more with the shading of what lies in front of the wall alone.
   ctx.at(0.55, "coil shading of the breasts");
-  field = estimate_fat_field(small, soft_interior(body, wall, 3.0, 2.0), fine_knots_mm);
+  const Mask breasts = soft_interior(body, wall, 3.0, 2.0);
+  field = estimate_fat_field(small, breasts, fine_knots_mm);
+  field = refine_fat_field(small, breasts, field, finest_knots_mm);
   signal = fat_signal_on(field, small);
   Image3<float> relative = divided(small, signal);
   ctx.at(0.75, "chest wall");
