@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "imaging/body_mask.hpp"
+#include "imaging/denoise.hpp"
 #include "imaging/fat_field.hpp"
 #include "imaging/grids.hpp"
 
@@ -16,10 +17,11 @@ constexpr double wide_knots_mm = 70.0, fine_knots_mm = 45.0, finest_knots_mm = 2
 constexpr double skin_mm = 2.0;  ///< thickness; Huang et al., doi:10.1118/1.2841938: 1-2.5 mm
 /// Half way between air and skin, relative to fat: skin has about a third of fat's signal.
 constexpr float skin_edge = 0.17F;
-constexpr double surroundings_mm = 0.6;
+/// Of the share of gland between neighbouring voxels, for the smoothing.
+constexpr double share_step = 0.12;
 /// A voxel with this share counts as gland. Less than a half: slices are thicker than strands of
 /// gland and mix them with the fat around, which is more than the gland.
-constexpr float gland_share = 0.48F;
+constexpr float gland_share = 0.42F;
 constexpr double muscle_mm = 12.0;    ///< behind the fascia; pectorals and ribs
 constexpr float lung_signal = 0.10F;  ///< relative to fat
 
@@ -253,12 +255,26 @@ Image3<float> plain_share(const Image3<float>& image, const Image3<float>& fat_s
   return share;
 }
 
+/// Noise of that share: the scanner's is the same everywhere, the signal is not.
+Image3<float> deviation_of_share(const Image3<float>& image, const Image3<float>& fat_signal,
+                                 const GlandularModel& gland, const Mask& clean) {
+  const double noise = noise_deviation(image, clean);
+  Image3<float> deviation = image_like<float>(image);
+  for (std::size_t v = 0; v < deviation.voxels.size(); ++v) {
+    deviation.voxels[v] =
+        static_cast<float>(noise / (std::max(static_cast<double>(fat_signal.voxels[v]), 1e-6) *
+                                    (gland.fat_signal - gland.gland_signal)));
+  }
+  return deviation;
+}
+
 /// Fibroglandular is what holds more gland than fat. Which voxels is decided by the share of the
 /// surroundings, since noise sits in single voxels; how many by the shares themselves, since a mean
 /// over the surroundings thins strands. Where noise lets fat look like gland, it lets as much fat
 /// look as far brighter than fat: these are taken off.
-void harden(TissueGrid& grid, const Image3<float>& share, const Mask& clean) {
-  const Image3<float> around = in_plane_smoothed(share, surroundings_mm);
+void harden(TissueGrid& grid, const Image3<float>& share, const Image3<float>& deviation,
+            const Mask& clean) {
+  const Image3<float> around = without_noise(share, deviation, clean, share_step);
   std::vector<float> candidates;
   long gland = 0;
   for (std::size_t v = 0; v < around.voxels.size(); ++v) {
@@ -320,7 +336,8 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
       }
     }
   }
-  harden(found.grid, plain_share(ordered, signal, coarse.gland, found.grid, clean), clean);
+  harden(found.grid, plain_share(ordered, signal, coarse.gland, found.grid, clean),
+         deviation_of_share(ordered, signal, coarse.gland, clean), clean);
   found.wall = std::move(coarse.wall);
   found.gland = coarse.gland;
   found.noise = coarse.air.deviation;
