@@ -18,10 +18,13 @@ constexpr double skin_mm = 2.0;  ///< thickness; Huang et al., doi:10.1118/1.284
 /// Half way between air and skin, relative to fat: skin has about a third of fat's signal.
 constexpr float skin_edge = 0.17F;
 /// Of the share of gland between neighbouring voxels, for the smoothing.
-constexpr double share_step = 0.12;
-/// A voxel with this share counts as gland. Less than a half: slices are thicker than strands of
+constexpr double share_step = 0.25;
+/// A voxel with this share counts as gland: a half where gland is solid enough for a peak of its
+/// own in the histogram. Less where there are mixtures alone: slices are thicker than strands of
 /// gland and mix them with the fat around, which is more than the gland.
-constexpr float gland_share = 0.42F;
+constexpr double solid_gland_share = 0.50, strand_gland_share = 0.42;
+/// With this share of pure voxels among those that hold gland it is solid.
+constexpr double solid_part = 0.33;
 constexpr double muscle_mm = 12.0;    ///< behind the fascia; pectorals and ribs
 constexpr float lung_signal = 0.10F;  ///< relative to fat
 
@@ -268,19 +271,26 @@ Image3<float> deviation_of_share(const Image3<float>& image, const Image3<float>
   return deviation;
 }
 
+double least_share(const GlandularModel& gland) {
+  const double pure = gland.parts[1] / std::max(gland.parts[1] + gland.parts[2], 1e-9);
+  return strand_gland_share +
+         (solid_gland_share - strand_gland_share) * std::min(1.0, pure / solid_part);
+}
+
 /// Fibroglandular is what holds more gland than fat. Which voxels is decided by the share of the
 /// surroundings, since noise sits in single voxels; how many by the shares themselves, since a mean
 /// over the surroundings thins strands. Where noise lets fat look like gland, it lets as much fat
 /// look as far brighter than fat: these are taken off.
 void harden(TissueGrid& grid, const Image3<float>& share, const Image3<float>& deviation,
-            const Mask& clean) {
+            double gland_share, const Mask& clean) {
   const Image3<float> around = without_noise(share, deviation, clean, share_step);
   std::vector<float> candidates;
   long gland = 0;
   for (std::size_t v = 0; v < around.voxels.size(); ++v) {
     if (clean.voxels[v] != 0) {
       candidates.push_back(around.voxels[v]);
-      gland += share.voxels[v] > gland_share ? 1 : share.voxels[v] < -gland_share ? -1 : 0;
+      const double here = share.voxels[v];
+      gland += here > gland_share ? 1 : here < -gland_share ? -1 : 0;
     }
   }
   if (gland <= 0) {
@@ -337,7 +347,8 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
     }
   }
   harden(found.grid, plain_share(ordered, signal, coarse.gland, found.grid, clean),
-         deviation_of_share(ordered, signal, coarse.gland, clean), clean);
+         deviation_of_share(ordered, signal, coarse.gland, clean), least_share(coarse.gland),
+         clean);
   found.wall = std::move(coarse.wall);
   found.gland = coarse.gland;
   found.noise = coarse.air.deviation;
