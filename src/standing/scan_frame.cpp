@@ -58,25 +58,23 @@ Vec3 mean_normal(const TriMesh& scan) {
   return (1 / total) * sum;
 }
 
-/// Directions in which the front may be: about where the skin looks on average, or all round and
-/// across when the scan goes round the body.
-std::vector<Vec3> possible_fronts(const TriMesh& scan) {
-  const Vec3 mean = mean_normal(scan);
-  std::vector<Vec3> fronts;
-  if (norm(mean) > 0.2) {
-    // Arms and what is missing at the back turn the mean: look from beside it, too.
-    constexpr double beside = 0.36;  // tan 20 degrees
-    const Vec3 front = normalised(mean);
-    const Vec3 any = std::abs(front[0]) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-    const Vec3 u = normalised(cross(front, any)), v = cross(front, u);
-    fronts.push_back(front);
-    for (int i = 0; i < 6; ++i) {
-      const double turn = std::numbers::pi * i / 3;
-      fronts.push_back(normalised(front + beside * (std::cos(turn) * u + std::sin(turn) * v)));
-    }
-    return fronts;
+/// A direction, and six 20 degrees beside it.
+std::vector<Vec3> about(const Vec3& front) {
+  constexpr double beside = 0.36;  // tan 20 degrees
+  const Vec3 any = std::abs(front[0]) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 u = normalised(cross(front, any)), v = cross(front, u);
+  std::vector<Vec3> fronts{front};
+  for (int i = 0; i < 6; ++i) {
+    const double turn = std::numbers::pi * i / 3;
+    fronts.push_back(normalised(front + beside * (std::cos(turn) * u + std::sin(turn) * v)));
   }
-  constexpr int rings = 6;  // 30 degrees apart; refined afterwards
+  return fronts;
+}
+
+/// All round, 30 degrees apart.
+std::vector<Vec3> all_directions() {
+  constexpr int rings = 6;
+  std::vector<Vec3> fronts;
   for (int r = 0; r <= rings; ++r) {
     const double polar = std::numbers::pi * r / rings;
     const int count = std::max(1, static_cast<int>(std::lround(12 * std::sin(polar))));
@@ -100,11 +98,11 @@ struct Found {
   double score = 0.0;  ///< of the pair, times how much steeper its lower side is: breasts have one
 };
 
-/// The likeliest turns, the best first.
-std::vector<Found> search(const TriMesh& coarse) {
+/// The likeliest turns seen from some directions, the best first.
+std::vector<Found> search(const TriMesh& coarse, const std::vector<Vec3>& fronts) {
   constexpr std::size_t per_direction = 3, in_all = 10;
   std::vector<Found> found;
-  for (const Vec3& direction : possible_fronts(coarse)) {
+  for (const Vec3& direction : fronts) {
     Mat3 rotation = facing(direction);
     // axes() makes left x up point to the back: turn it so that back is away from the front.
     if (dot(rotation[1], direction) > 0) {
@@ -232,9 +230,10 @@ Mat3 marked_rotation(const ScanLandmarks& marks) {
 
 /// Of the likeliest turns the one whose trunk is its own mirror image (a breast and an arm are
 /// not), and that most others agree with.
-Stance best_stance(const TriMesh& coarse, const std::optional<Vec3>& up) {
+Stance best_stance(const TriMesh& coarse, const std::vector<Vec3>& fronts,
+                   const std::optional<Vec3>& up) {
   std::vector<std::pair<Stance, double>> stances;
-  for (const Found& found : search(coarse)) {
+  for (const Found& found : search(coarse, fronts)) {
     Mat3 rotation = found.rotation;
     if (up && dot(rotation[2], *up) < 0) {  // what is said counts more than the breasts' shape
       rotation = {-1.0 * rotation[0], rotation[1], -1.0 * rotation[2]};
@@ -269,6 +268,17 @@ Stance best_stance(const TriMesh& coarse, const std::optional<Vec3>& up) {
   return best;
 }
 
+/// The front is where the skin looks on average, or, when the scan goes round the body, found among
+/// all directions and looked at again. Arms and what is missing at the back turn the mean.
+Stance found_stance(const TriMesh& coarse, const std::optional<Vec3>& up) {
+  const Vec3 mean = mean_normal(coarse);
+  constexpr double one_sided = 0.2;
+  const Vec3 front = norm(mean) > one_sided
+                         ? normalised(mean)
+                         : -1.0 * best_stance(coarse, all_directions(), up).rotation[1];
+  return best_stance(coarse, about(front), up);
+}
+
 }  // namespace
 
 ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
@@ -276,7 +286,7 @@ ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
   ScanFrame frame;
   const bool marked = marks.nipple[0] && marks.nipple[1] && marks.sternal_notch;
   const std::optional<Vec3> up = marks.up ? std::optional(normalised(*marks.up)) : std::nullopt;
-  Stance stance = marked ? refined(coarse, marked_rotation(marks), up) : best_stance(coarse, up);
+  Stance stance = marked ? refined(coarse, marked_rotation(marks), up) : found_stance(coarse, up);
   if (const Stance again = refined(coarse, stance.rotation, up);
       again.symmetry >= 0.9 * stance.symmetry) {
     stance = again;
