@@ -122,14 +122,20 @@ ChangeScore change_score(const meshing::BreastModel& model, int side, std::span<
 
 }  // namespace
 
-std::string write_phantom(const phantom::Phantom& p, const phantom::Options& options,
-                          const fs::path& folder) {
+void make_phantom_folder(const fs::path& folder) {
   std::error_code problem;
   fs::create_directories(folder / "truth", problem);
   if (problem) {
     throw Error(Fault::Resource,
-                fmt::format("the phantom's folder cannot be made: {}", problem.message()));
+                fmt::format("{}: the phantom's folder cannot be made: {}",
+                            folder.filename().string(), problem.message()),
+                "give another folder");
   }
+}
+
+std::string write_phantom(const phantom::Phantom& p, const phantom::Options& options,
+                          const fs::path& folder) {
+  make_phantom_folder(folder);
   io::write_labels(p.labels, folder / "labels.nii.gz");
   write_text(folder / "plan.json", p.plan_json);
   const fs::path truth = folder / "truth";
