@@ -161,7 +161,7 @@ class Run(CliTest):
             self.assertAlmostEqual(one[key] / several[key], 1.0, delta=1e-8, msg=key)
 
     def test_ranks_share_the_mesh_and_give_the_same_numbers(self):
-        for ranks in (2, 3, 4):
+        for ranks in (2, 4):  # three: below
             with self.subTest(ranks=ranks):
                 case = self.copy()
                 self.run_ok("run", case, "--from", "unload", "--ranks", ranks)
@@ -182,10 +182,10 @@ class Run(CliTest):
 
     def test_taylor_hood_shares_its_mid_edge_nodes_too(self):
         moves = []
-        for ranks in (1, 3):
+        for ranks in (1, 2):
             case = self.copy()
             self.run_ok("run", case, "--to", "supine", "--ranks", ranks,
-                        "--set", "solver.element=p2p1")
+                        "--set", "solver.element=p2p1", "--set", "skin.enabled=no")
             record = json.loads((case / "stages/50-supine/stage.json").read_text())
             moves.append(record["numbers"]["mean_move_mm"])
             shutil.rmtree(case)
