@@ -13,32 +13,58 @@ struct Trunk {
   double rise_mm = 50.0;
   Vec3 hole_mm{1e3, 0, 0};
   double hole_radius_mm = 0.0;
+  double left_share = 1.0;  ///< of the left breast's rise
+  bool left_arm = false;    ///< hangs 20 mm beside the trunk
+  bool back = false;
 
   static double chest(double x) { return 100 - 100 * std::sqrt(1 - x * x / (160 * 160)); }
   [[nodiscard]] double bump(double x, double z) const {
     const double across = (std::abs(x) - 85) / 36, along = z / (z > 0 ? 52 : 30);
-    return rise_mm * std::exp(-0.5 * (across * across + along * along));
+    return (x > 0 ? left_share : 1.0) * rise_mm *
+           std::exp(-0.5 * (across * across + along * along));
   }
   [[nodiscard]] TriMesh scan() const {
     TriMesh mesh;
-    constexpr int nx = 75, nz = 81;
+    add_patch(mesh, 75, 81, [&](int i, int k) {
+      const double x = 4.0 * (i - 37), z = 4.0 * (k - 40);
+      return Vec3{x, chest(x) - bump(x, z), z};
+    });
+    std::erase_if(mesh.triangles, [&](const auto& t) {
+      const Vec3& p = mesh.points[static_cast<std::size_t>(t[0])];
+      return std::hypot(1e3 * p[0] - hole_mm[0], 1e3 * p[2] - hole_mm[2]) < hole_radius_mm;
+    });
+    if (left_arm) {
+      add_patch(mesh, 31, 60, [](int i, int k) {
+        const double turn = 0.1 * (i - 15);
+        return Vec3{200 + 32 * std::sin(turn), 70 - 32 * std::cos(turn), 4.0 * (k - 24)};
+      });
+    }
+    if (back) {
+      add_patch(mesh, 75, 81, [](int i, int k) {
+        const double x = 4.0 * (37 - i);
+        return Vec3{x, 200 - chest(x), 4.0 * (k - 40)};
+      });
+    }
+    return mesh;
+  }
+
+ private:
+  /// Points [mm] of a grid; normals are first index x second index, backwards.
+  template <class F>
+  static void add_patch(TriMesh& mesh, int nx, int nz, F&& point_mm) {
+    const int first = static_cast<int>(mesh.points.size());
     for (int k = 0; k < nz; ++k) {
       for (int i = 0; i < nx; ++i) {
-        const double x = 4.0 * (i - nx / 2), z = 4.0 * (k - nz / 2);
-        mesh.points.push_back(1e-3 * Vec3{x, chest(x) - bump(x, z), z});
+        mesh.points.push_back(1e-3 * point_mm(i, k));
       }
     }
     for (int k = 0; k + 1 < nz; ++k) {
       for (int i = 0; i + 1 < nx; ++i) {
-        const int a = k * nx + i;
-        const Vec3& p = mesh.points[static_cast<std::size_t>(a)];
-        if (std::hypot(1e3 * p[0] - hole_mm[0], 1e3 * p[2] - hole_mm[2]) > hole_radius_mm) {
-          mesh.triangles.push_back({a, a + 1, a + nx});
-          mesh.triangles.push_back({a + 1, a + nx + 1, a + nx});
-        }
+        const int a = first + k * nx + i;
+        mesh.triangles.push_back({a, a + 1, a + nx});
+        mesh.triangles.push_back({a + 1, a + nx + 1, a + nx});
       }
     }
-    return mesh;
   }
 };
 

@@ -20,6 +20,9 @@ int make(const Arguments& given, const Common& common) {
   return with_team([&](pipeline::Team& team) {
     phantom::Options options = given.options;
     options.density = phantom::parse_density(given.density);
+    if (team.leads()) {
+      pipeline::make_phantom_folder(given.folder);
+    }
     Progress progress(common, team.leads());
     const Context ctx("phantom", progress, progress.stop_token(), options.seed);
     const phantom::Phantom made = phantom::make_phantom(options, ctx);

@@ -43,8 +43,12 @@ struct MeshShare::Impl {
   int whole_vertices = 0, whole_cells = 0;
   DM plex = nullptr;
   PetscSF owners = nullptr;  ///< of the plex; not ours to destroy
+  PetscSF vertex_owners = nullptr;
 
-  ~Impl() { DMDestroy(&plex); }
+  ~Impl() {
+    PetscSFDestroy(&vertex_owners);
+    DMDestroy(&plex);
+  }
   /// Copies values from one plex's points to those that the migration made of them.
   static std::vector<PetscInt> follow(PetscSF migration, std::vector<PetscInt> values,
                                       PetscInt points);
@@ -54,6 +58,7 @@ struct MeshShare::Impl {
   void take_cells(const std::vector<PetscInt>& origin, const std::vector<PetscInt>& region);
   void take_faces(const std::vector<PetscInt>& boundary);
   void take_points(const std::vector<PetscInt>& point_name);
+  void find_owners();
   [[nodiscard]] std::array<int, 4> vertices_of(PetscInt point) const;
 };
 
@@ -207,6 +212,34 @@ void MeshShare::Impl::take_points(const std::vector<PetscInt>& point_name) {
   }
 }
 
+/// Which points are own, and the owners of the other vertices.
+void MeshShare::Impl::find_owners() {
+  check(DMGetPointSF(plex, &owners), "reading the owners");
+  own.assign(index(points), true);
+  PetscInt roots = 0;
+  PetscInt leaves = 0;
+  const PetscInt* leaf = nullptr;
+  const PetscSFNode* root = nullptr;
+  check(PetscSFGetGraph(owners, &roots, &leaves, &leaf, &root), "reading the owners");
+  std::vector<PetscInt> first(index(ranks()));  // vertex of every rank
+  MPI_Allgather(&first_vertex, 1, MPIU_INT, first.data(), 1, MPIU_INT, PETSC_COMM_WORLD);
+  const auto vertices = static_cast<PetscInt>(vertex.size());
+  std::vector<PetscInt> ghosts;
+  std::vector<PetscSFNode> there;
+  for (PetscInt i = 0; i < leaves; ++i) {
+    const PetscInt p = leaf != nullptr ? leaf[i] : i;
+    own[index(p)] = false;
+    if (p >= first_vertex && p < first_vertex + vertices) {
+      ghosts.push_back(p - first_vertex);
+      there.push_back({root[i].rank, root[i].index - first[index(root[i].rank)]});
+    }
+  }
+  check(PetscSFCreate(PETSC_COMM_WORLD, &vertex_owners), "reading the owners");
+  check(PetscSFSetGraph(vertex_owners, vertices, static_cast<PetscInt>(ghosts.size()),
+                        ghosts.data(), PETSC_COPY_VALUES, there.data(), PETSC_COPY_VALUES),
+        "reading the owners");
+}
+
 MeshShare::MeshShare(const TetMesh& whole) : impl_(std::make_unique<Impl>()) {
   Impl& share = *impl_;
   share.take_names(whole);
@@ -244,19 +277,11 @@ MeshShare::MeshShare(const TetMesh& whole) : impl_(std::make_unique<Impl>()) {
     share.plex = distributed;
   }
   check(DMPlexGetChart(share.plex, nullptr, &share.points), "reading the mesh");
-  check(DMGetPointSF(share.plex, &share.owners), "reading the owners");
-  share.own.assign(index(share.points), true);
-  PetscInt roots = 0;
-  PetscInt leaves = 0;
-  const PetscInt* leaf = nullptr;
-  check(PetscSFGetGraph(share.owners, &roots, &leaves, &leaf, nullptr), "reading the owners");
-  for (PetscInt i = 0; i < leaves; ++i) {
-    share.own[index(leaf != nullptr ? leaf[i] : i)] = false;
-  }
   const auto follow = [&](std::vector<PetscInt> values) {
     return Impl::follow(migration, std::move(values), share.points);
   };
   share.take_cells(follow(origin), follow(region));
+  share.find_owners();
   share.take_faces(follow(boundary));
   share.take_points(follow(point_name));
   PetscSFDestroy(&migration);
@@ -331,20 +356,48 @@ Layout MeshShare::layout(const EdgeTable& edges) const {
 }
 
 void MeshShare::fetch(std::vector<std::uint8_t>& per_vertex) const {
+  std::vector<double> values(per_vertex.begin(), per_vertex.end());
+  fetch(values, 1);
+  per_vertex.assign(values.begin(), values.end());
+}
+
+void MeshShare::fetch(std::span<double> per_vertex, int width) const {
+  ensure(per_vertex.size() == index(width) * impl_->vertex.size(), "{} values for {} vertices",
+         per_vertex.size(), impl_->vertex.size());
   if (ranks() == 1) {
     return;
   }
-  std::vector<PetscInt> value(index(impl_->points), 0);
-  for (std::size_t v = 0; v < per_vertex.size(); ++v) {
-    value[index(impl_->first_vertex) + v] = per_vertex[v];
-  }
-  check(PetscSFBcastBegin(impl_->owners, MPIU_INT, value.data(), value.data(), MPI_REPLACE),
+  MPI_Datatype row = MPI_DATATYPE_NULL;
+  MPI_Type_contiguous(width, MPI_DOUBLE, &row);
+  MPI_Type_commit(&row);
+  double* const values = per_vertex.data();
+  check(PetscSFBcastBegin(impl_->vertex_owners, row, values, values, MPI_REPLACE),
         "fetching from the owners");
-  check(PetscSFBcastEnd(impl_->owners, MPIU_INT, value.data(), value.data(), MPI_REPLACE),
+  check(PetscSFBcastEnd(impl_->vertex_owners, row, values, values, MPI_REPLACE),
         "fetching from the owners");
-  for (std::size_t v = 0; v < per_vertex.size(); ++v) {
-    per_vertex[v] = static_cast<std::uint8_t>(value[index(impl_->first_vertex) + v]);
+  MPI_Type_free(&row);
+}
+
+double sum(const MeshShare* share, double mine) {
+  return share == nullptr ? mine : sum(mine);
+}
+void sum_each(const MeshShare* share, std::span<double> mine) {
+  if (share != nullptr) {
+    sum_each(mine);
   }
+}
+double largest(const MeshShare* share, double mine) {
+  return share == nullptr ? mine : largest(mine);
+}
+
+ShareSizes sizes(const MeshShare& share) {
+  const std::size_t all = share.vertex().size();
+  double own = 0.0;
+  for (std::size_t v = 0; v < all; ++v) {
+    own += owns_vertex(&share, v) ? 1.0 : 0.0;
+  }
+  const double ghosts = static_cast<double>(all) - own;
+  return {static_cast<int>(largest(own)), static_cast<int>(largest(ghosts)), sum(ghosts) / ranks()};
 }
 
 }  // namespace sanatrix::fem

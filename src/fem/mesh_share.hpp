@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "fem/layout.hpp"
@@ -33,10 +34,31 @@ class MeshShare {
   [[nodiscard]] Layout layout(const EdgeTable& edges) const;
   /// Overwrites the entries of vertices that others own by what their owners hold. Collective.
   void fetch(std::vector<std::uint8_t>& per_vertex) const;
+  /// The same for `width` numbers per vertex.
+  void fetch(std::span<double> per_vertex, int width) const;
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// A mesh that is not shared (nullptr) belongs to this process as a whole.
+inline bool owns_vertex(const MeshShare* share, std::size_t v) {
+  return share == nullptr || share->owns_vertex(static_cast<int>(v));
+}
+inline bool owns_cell(const MeshShare* share, std::size_t c) {
+  return share == nullptr || share->owns_cell(static_cast<int>(c));
+}
+/// Over all shares of what each has counted of its own. Collective where the mesh is shared.
+double sum(const MeshShare* share, double mine);
+void sum_each(const MeshShare* share, std::span<double> mine);
+double largest(const MeshShare* share, double mine);
+
+/// How a mesh lies on the processes: what a model of the cost of more of them is made from.
+struct ShareSizes {
+  int most_own_vertices, most_ghost_vertices;  ///< of one process
+  double mean_ghost_vertices;
+};
+ShareSizes sizes(const MeshShare& share);  ///< collective
 
 }  // namespace sanatrix::fem

@@ -55,18 +55,47 @@ double largest(double mine) {
   return reduce(mine, MPI_MAX);
 }
 
+double sum_before(double mine) {
+  double before = 0.0;  // which rank 0 keeps
+  MPI_Exscan(&mine, &before, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return before;
+}
+
+void sum_each(std::span<double> mine) {
+  MPI_Allreduce(MPI_IN_PLACE, mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, MPI_SUM,
+                MPI_COMM_WORLD);
+}
+
+namespace {
+
+/// On rank 0: how many numbers every rank has, and where they begin among all.
+struct Places {
+  std::vector<int> count, begin;
+  explicit Places(int mine) : count(static_cast<std::size_t>(ranks())), begin(count.size()) {
+    MPI_Gather(&mine, 1, MPI_INT, count.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
+    std::exclusive_scan(count.begin(), count.end(), begin.begin(), 0);
+  }
+};
+
+}  // namespace
+
 std::vector<double> gather(const std::vector<double>& mine) {
   const auto count = static_cast<int>(mine.size());
-  std::vector<int> counts(static_cast<std::size_t>(ranks()));
-  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
-  std::vector<int> places(counts.size());
-  std::exclusive_scan(counts.begin(), counts.end(), places.begin(), 0);
-  std::vector<double> all(rank() == 0 ? static_cast<std::size_t>(places.back()) +
-                                            static_cast<std::size_t>(counts.back())
-                                      : 0U);
-  MPI_Gatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), places.data(), MPI_DOUBLE,
-              0, MPI_COMM_WORLD);
+  const Places places(count);
+  std::vector<double> all(
+      rank() == 0 ? static_cast<std::size_t>(places.begin.back() + places.count.back()) : 0U);
+  MPI_Gatherv(mine.data(), count, MPI_DOUBLE, all.data(), places.count.data(), places.begin.data(),
+              MPI_DOUBLE, 0, MPI_COMM_WORLD);
   return all;
+}
+
+std::vector<double> scatter(const std::vector<double>& all, std::size_t mine) {
+  const auto count = static_cast<int>(mine);
+  const Places places(count);
+  std::vector<double> values(mine);
+  MPI_Scatterv(all.data(), places.count.data(), places.begin.data(), MPI_DOUBLE, values.data(),
+               count, MPI_DOUBLE, 0, MPI_COMM_WORLD);
+  return values;
 }
 
 void broadcast(std::string& text, int from) {
@@ -74,6 +103,13 @@ void broadcast(std::string& text, int from) {
   MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG, from, MPI_COMM_WORLD);
   text.resize(size);
   MPI_Bcast(text.data(), static_cast<int>(size), MPI_CHAR, from, MPI_COMM_WORLD);
+}
+
+void broadcast(std::vector<double>& numbers, int from) {
+  auto size = static_cast<unsigned long>(numbers.size());
+  MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG, from, MPI_COMM_WORLD);
+  numbers.resize(size);
+  MPI_Bcast(numbers.data(), static_cast<int>(size), MPI_DOUBLE, from, MPI_COMM_WORLD);
 }
 
 int ranks() {

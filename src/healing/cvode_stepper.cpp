@@ -1,9 +1,6 @@
-// Variable-order BDF with Newton and preconditioned GMRES (SUNDIALS CVODE) over PETSc vectors. Sums
-// are taken chunk by chunk, so that steps and results have the same bits on any number of ranks.
+// Variable-order BDF with Newton and preconditioned GMRES (SUNDIALS CVODE) over PETSc vectors.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 
 #include <cvode/cvode.h>
 #include <nvector/nvector_petsc.h>
@@ -11,7 +8,6 @@
 #include <sunlinsol/sunlinsol_spgmr.h>
 
 #include "core/error.hpp"
-#include "fem/session.hpp"
 #include "healing/ghosted_vector.hpp"
 #include "healing/stepper.hpp"
 
@@ -25,73 +21,14 @@ void check(int flag, const char* call) {
   }
 }
 
-const char* const chunks_key = "sanatrix_chunks";
-
-/// Ties the chunks of the system to a vector and to all that are cloned from it.
-void attach_chunks(Vec v, const std::vector<int>& chunks) {
-  PetscContainer container = nullptr;
-  PetscContainerCreate(PETSC_COMM_SELF, &container);
-  PetscContainerSetPointer(container, const_cast<int*>(chunks.data()));
-  PetscObjectCompose(reinterpret_cast<PetscObject>(v), chunks_key,
-                     reinterpret_cast<PetscObject>(container));
-  PetscContainerDestroy(&container);
-}
-
-/// Sum over all ranks of term(k) for every own unknown k, in an order that ranks do not change.
-template <class Term>
-double reproducible_sum(Vec v, Term term) {
-  PetscObject container = nullptr;
-  void* begins = nullptr;
-  PetscObjectQuery(reinterpret_cast<PetscObject>(v), chunks_key, &container);
-  PetscContainerGetPointer(reinterpret_cast<PetscContainer>(container), &begins);
-  const int* const begin = static_cast<const int*>(begins);
-  std::array<double, 2 * Partition::chunks> part{};
-  for (std::size_t c = 0; c < part.size(); ++c) {
-    for (int k = begin[c]; k < begin[c + 1]; ++k) {
-      part[c] += term(k);
-    }
-  }
-  if (fem::ranks() > 1) {
-    MPI_Allreduce(MPI_IN_PLACE, part.data(), static_cast<int>(part.size()), MPI_DOUBLE, MPI_SUM,
-                  PETSC_COMM_WORLD);
-  }
-  return std::accumulate(part.begin(), part.end(), 0.0);
-}
-
-double dot_product(N_Vector a, N_Vector b) {
-  const LocalValues x(N_VGetVector_Petsc(a)), y(N_VGetVector_Petsc(b));
-  return reproducible_sum(N_VGetVector_Petsc(a),
-                          [p = x.own(), q = y.own()](int k) { return p[k] * q[k]; });
-}
-
-double weighted_rms(N_Vector a, N_Vector weight) {
-  const LocalValues x(N_VGetVector_Petsc(a)), w(N_VGetVector_Petsc(weight));
-  const double sum = reproducible_sum(N_VGetVector_Petsc(a), [p = x.own(), q = w.own()](int k) {
-    return p[k] * q[k] * p[k] * q[k];
-  });
-  return std::sqrt(sum / static_cast<double>(N_VGetLength(a)));
-}
-
-/// z = a x + b y without the BLAS, whose blocking would depend on the local size.
-void linear_sum(double a, N_Vector x, double b, N_Vector y, N_Vector z) {
-  const LocalValues p(N_VGetVector_Petsc(x)), q(N_VGetVector_Petsc(y)), r(N_VGetVector_Petsc(z));
-  for (std::size_t k = 0; k < r.own().size(); ++k) {
-    r.own()[k] = a * p.own()[k] + b * q.own()[k];
-  }
-}
-
 class Cvode final : public Stepper {
  public:
   Cvode(System& system, double relative_tolerance)
       : system_(system), relative_tolerance_(relative_tolerance) {
-    MPI_Comm comm = PETSC_COMM_WORLD;
-    check(SUNContext_Create(&comm, &context_), "SUNContext_Create");
     vector_ = create_ghosted(system);
-    attach_chunks(vector_, system.chunks());
+    MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(vector_));
+    check(SUNContext_Create(&comm, &context_), "SUNContext_Create");
     state_ = N_VMake_Petsc(vector_, context_);
-    state_->ops->nvdotprod = dot_product;
-    state_->ops->nvwrmsnorm = weighted_rms;
-    state_->ops->nvlinearsum = linear_sum;
     output_ = N_VClone(state_);
     // Errors count per unknown of the wound: how much healthy tissue is meshed must not matter.
     const int counted =

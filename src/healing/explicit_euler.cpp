@@ -56,21 +56,20 @@ class ExplicitEuler final : public Stepper {
 }  // namespace
 
 std::unique_ptr<Stepper> make_explicit(System& system, const Model& model, double dt) {
+  const fem::MeshShare* share = system.share();
   const System::StepLimit mine = system.explicit_limit();
-  struct {
-    double dt;
-    int rank;
-  } best{mine.dt, 0};
-  MPI_Comm_rank(PETSC_COMM_WORLD, &best.rank);
-  MPI_Allreduce(MPI_IN_PLACE, &best, 1, MPI_DOUBLE_INT, MPI_MINLOC, PETSC_COMM_WORLD);
-  int where[2] = {mine.species, mine.vertex};
-  MPI_Bcast(where, 2, MPI_INT, best.rank, PETSC_COMM_WORLD);
-  if (!(dt > 0.0 && dt <= best.dt)) {
+  const double limit = -fem::largest(share, -mine.dt);
+  const int number = share == nullptr ? mine.vertex : share->vertex()[mine.vertex];
+  const bool sets = mine.dt == limit;
+  const auto vertex = static_cast<int>(fem::largest(share, sets ? number : -1));
+  const auto species =
+      static_cast<int>(fem::largest(share, sets && number == vertex ? mine.species : 0));
+  if (!(dt > 0.0 && dt <= limit)) {
     throw Error(Fault::Input,
                 fmt::format("explicit healing step of {} s is above the stability limit {:.4g} s, "
                             "set by {} at vertex {}",
-                            dt, best.dt, model.species()[where[0]].label, where[1]),
-                fmt::format("use dt_s={:.3g} or scheme=cvode", 0.9 * best.dt));
+                            dt, limit, model.species()[species].label, vertex),
+                fmt::format("use dt_s={:.3g} or scheme=cvode", 0.9 * limit));
   }
   return std::make_unique<ExplicitEuler>(system, dt);
 }

@@ -10,12 +10,11 @@ struct _p_Vec;  // PETSc's Vec is a pointer to this
 
 namespace sanatrix::healing {
 
-/// Collective. The caller destroys it.
+/// Over all processes where the mesh is shared, else of this one alone. Collective. The caller
+/// destroys it.
 _p_Vec* create_ghosted(const System& system);
 /// Brings the ghosts up to date with their owners. Collective.
 void update_ghosts(_p_Vec* v);
-/// The values of all ranks, one after the other, on every rank. Collective.
-std::vector<double> gathered(std::span<const double> own);
 
 /// Own values and ghosts of a vector for as long as the object lives.
 class LocalValues {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <mpi.h>
 
@@ -38,10 +39,10 @@ void report(const Context& ctx, double fraction, double t) {
 
 struct ReactionDiffusion::Impl {
   Impl(const TetMesh& mesh, std::span<const Vec3> points, std::span<const double> wound_fraction,
-       const Model& m, const RdOptions& options)
+       const Model& m, const RdOptions& options, const fem::MeshShare* share)
       : model(m),
         cells(mesh.cells),
-        system(mesh, points, wound_fraction, m, fem::rank(), fem::ranks()),
+        system(mesh, points, wound_fraction, m, share),
         state(system.initial_state()) {
     if (options.scheme == Scheme::Cvode) {
       stepper = make_cvode(system, options.relative_tolerance);
@@ -61,14 +62,13 @@ struct ReactionDiffusion::Impl {
   void gather(double t) {
     std::vector<double> own(system.own_unknowns());
     stepper->state_at(t, own);
-    state = gathered(system.at_own_vertices(own));
+    state = system.at_vertices(own);
     time = t;
-    for (const double q : state) {
-      if (!std::isfinite(q)) {
-        throw Error(Fault::Numerics,
-                    fmt::format("healing: a species is not finite on day {:.2f}", t / day),
-                    "use scheme=cvode or a smaller dt_s");
-      }
+    const bool finite = std::ranges::all_of(state, [](double q) { return std::isfinite(q); });
+    if (fem::largest(system.share(), finite ? 0.0 : 1.0) > 0.0) {
+      throw Error(Fault::Numerics,
+                  fmt::format("healing: a species is not finite on day {:.2f}", t / day),
+                  "use scheme=cvode or a smaller dt_s");
     }
   }
 
@@ -84,12 +84,12 @@ struct ReactionDiffusion::Impl {
 
 ReactionDiffusion::ReactionDiffusion(const TetMesh& mesh, std::span<const Vec3> points,
                                      std::span<const double> wound_fraction, const Model& model,
-                                     RdOptions options) {
+                                     RdOptions options, const fem::MeshShare* share) {
   ensure(points.size() == mesh.points.size() && wound_fraction.size() == mesh.cells.size(),
          "healing needs a position per vertex and a wound fraction per cell");
   require(options.relative_tolerance > 0.0 && options.relative_tolerance < 1.0,
           "healing: relative tolerance {} is outside (0, 1)", options.relative_tolerance);
-  impl_ = std::make_unique<Impl>(mesh, points, wound_fraction, model, options);
+  impl_ = std::make_unique<Impl>(mesh, points, wound_fraction, model, options, share);
 }
 
 ReactionDiffusion::~ReactionDiffusion() = default;
@@ -135,6 +135,10 @@ long ReactionDiffusion::steps() const {
   return impl_->steps;
 }
 
+const fem::MeshShare* ReactionDiffusion::share() const {
+  return impl_->system.share();
+}
+
 const std::vector<bool>& ReactionDiffusion::wound_vertices() const {
   return impl_->system.wound().vertex;
 }
@@ -169,17 +173,49 @@ std::vector<double> ReactionDiffusion::cell_density() const {
   return density;
 }
 
-SpeciesRecord record(const ReactionDiffusion& rd, const TetMesh& mesh, std::span<const Vec3> points,
-                     std::span<const double> wound_fraction, const Model& model) {
-  const std::size_t n = model.species().size();
+namespace {
+
+/// Of all vertices the one of the least score, where this process owns it, else nothing. Among
+/// scores that are equal but for rounding the first vertex of the whole mesh wins, so that the
+/// choice does not hang on the order in which the shares' sums were taken.
+std::optional<std::size_t> least(const fem::MeshShare* share, std::span<const double> score) {
+  double lowest = std::numeric_limits<double>::max();
+  for (std::size_t v = 0; v < score.size(); ++v) {
+    lowest = fem::owns_vertex(share, v) ? std::min(lowest, score[v]) : lowest;
+  }
+  lowest = -fem::largest(share, -lowest);
+  const double rounding = 1e-12 * std::abs(lowest);
+  std::optional<std::size_t> found;
+  double first = std::numeric_limits<double>::max();
+  for (std::size_t v = 0; v < score.size(); ++v) {
+    const double number = share == nullptr ? static_cast<double>(v) : share->vertex()[v];
+    if (fem::owns_vertex(share, v) && score[v] <= lowest + rounding && number < first) {
+      found = v;
+      first = number;
+    }
+  }
+  return -fem::largest(share, -first) == first ? found : std::nullopt;
+}
+
+/// Species at a vertex that one process owns, on every process.
+std::vector<double> species_at(std::optional<std::size_t> vertex, const ReactionDiffusion& rd,
+                               std::size_t species) {
+  std::vector<double> q(species);
+  if (vertex) {
+    std::ranges::copy(std::span(rd.state()).subspan(*vertex * species, species), q.begin());
+  }
+  fem::sum_each(rd.share(), q);
+  return q;
+}
+
+/// Means of the species over the wound [0, n), its volume, and three sums for its centroid.
+std::vector<double> wound_sums(const ReactionDiffusion& rd, const TetMesh& mesh,
+                               std::span<const Vec3> points, std::span<const double> wound_fraction,
+                               std::size_t n) {
   const std::vector<double>& q = rd.state();
-  SpeciesRecord r{};
-  r.t_day = rd.time_s() / day;
-  r.mean.resize(n);
-  double wound_volume = 0.0;
-  Vec3 centroid{};
+  std::vector<double> sums(n + 4);
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    if (wound_fraction[c] <= 0.0) {
+    if (wound_fraction[c] <= 0.0 || !fem::owns_cell(rd.share(), c)) {
       continue;
     }
     const auto& [v0, v1, v2, v3] = mesh.cells[c];
@@ -188,34 +224,48 @@ SpeciesRecord record(const ReactionDiffusion& rd, const TetMesh& mesh, std::span
       if (!rd.wound_vertices()[i]) {
         continue;
       }
-      wound_volume += 0.25 * v;
-      centroid += 0.25 * v * points[i];
+      sums[n] += 0.25 * v;
+      for (std::size_t d = 0; d < 3; ++d) {
+        sums[n + 1 + d] += 0.25 * v * points[i][d];
+      }
       for (std::size_t s = 0; s < n; ++s) {
-        r.mean[s] += 0.25 * v * q[i * n + s];
+        sums[s] += 0.25 * v * q[i * n + s];
       }
     }
   }
+  fem::sum_each(rd.share(), sums);
+  return sums;
+}
+
+}  // namespace
+
+SpeciesRecord record(const ReactionDiffusion& rd, const TetMesh& mesh, std::span<const Vec3> points,
+                     std::span<const double> wound_fraction, const Model& model) {
+  const std::size_t n = model.species().size();
+  const std::vector<double> sums = wound_sums(rd, mesh, points, wound_fraction, n);
+  const double wound_volume = sums[n];
   require(wound_volume > 0.0, "healing: the wound has no volume");
-  for (double& m : r.mean) {
-    m /= wound_volume;
+  SpeciesRecord r{};
+  r.t_day = rd.time_s() / day;
+  for (std::size_t s = 0; s < n; ++s) {
+    r.mean.push_back(sums[s] / wound_volume);
   }
-  centroid = (1.0 / wound_volume) * centroid;
-  const auto distance2 = [&](std::size_t i) {
-    return dot(points[i] - centroid, points[i] - centroid);
-  };
-  std::size_t nearest = 0, farthest = 0;
-  r.eta_healthy_min = std::numeric_limits<double>::max();
-  r.eta_healthy_max = std::numeric_limits<double>::lowest();
+  const Vec3 centroid = (1.0 / wound_volume) * Vec3{sums[n + 1], sums[n + 2], sums[n + 3]};
+  std::vector<double> near(points.size()), far(points.size());
+  double lowest = std::numeric_limits<double>::max();
+  double highest = std::numeric_limits<double>::lowest();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    nearest = distance2(i) < distance2(nearest) ? i : nearest;
-    farthest = distance2(i) > distance2(farthest) ? i : farthest;
+    near[i] = dot(points[i] - centroid, points[i] - centroid);
+    far[i] = -near[i];
     if (!rd.wound_vertices()[i]) {
-      r.eta_healthy_min = std::min(r.eta_healthy_min, q[i * n]);
-      r.eta_healthy_max = std::max(r.eta_healthy_max, q[i * n]);
+      lowest = std::min(lowest, rd.state()[i * n]);
+      highest = std::max(highest, rd.state()[i * n]);
     }
   }
-  r.centre.assign(q.begin() + nearest * n, q.begin() + (nearest + 1) * n);
-  r.far_field_second = q[farthest * n + std::min<std::size_t>(1, n - 1)];
+  r.eta_healthy_min = -fem::largest(rd.share(), -lowest);
+  r.eta_healthy_max = fem::largest(rd.share(), highest);
+  r.centre = species_at(least(rd.share(), near), rd, n);
+  r.far_field_second = species_at(least(rd.share(), far), rd, n)[std::min<std::size_t>(1, n - 1)];
   return r;
 }
 

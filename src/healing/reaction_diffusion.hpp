@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/context.hpp"
+#include "fem/mesh_share.hpp"
 #include "geometry/tet_mesh.hpp"
 #include "healing/model.hpp"
 
@@ -22,14 +23,15 @@ struct RdOptions {
   double dt_s = 17.28;  ///< explicit only; Error{Input} when above the stability limit
 };
 
-/// The whole mesh takes part, on every rank; vectors are distributed by PETSc.
+/// Species on a mesh that belongs to this process alone, or on its share of a larger one.
 class ReactionDiffusion {
  public:
   /// wound_fraction: per cell, 0..1. A vertex is a wound vertex when a cell with fraction >= 0.5
   /// touches it. Interface vertices start as wound and exchange with healthy tissue across the
   /// wound's surface; vertices strictly outside are clamped (docs/theory/healing.md).
   ReactionDiffusion(const TetMesh& mesh, std::span<const Vec3> points,
-                    std::span<const double> wound_fraction, const Model& model, RdOptions options);
+                    std::span<const double> wound_fraction, const Model& model, RdOptions options,
+                    const fem::MeshShare* share = nullptr);
   ~ReactionDiffusion();
   ReactionDiffusion(const ReactionDiffusion&) = delete;
   ReactionDiffusion& operator=(const ReactionDiffusion&) = delete;
@@ -41,7 +43,7 @@ class ReactionDiffusion {
   void advance(double t_s, const Context& ctx, std::span<const double> record_times_s = {},
                const std::function<void()>& on_record = {});
   [[nodiscard]] double time_s() const;
-  /// vertices x species, gathered on every rank; what checkpoints store.
+  /// vertices x species, ghosts of a share included; what checkpoints store.
   [[nodiscard]] const std::vector<double>& state() const;
   void restore(double t_s, std::span<const double> state);
   /// Per vertex: does it belong to the wound (interface included)?
@@ -49,6 +51,7 @@ class ReactionDiffusion {
   /// cells() of the model in the wound's part of each cell: averaged over its wound vertices; over
   /// all four where it has none.
   [[nodiscard]] std::vector<double> cell_density() const;
+  [[nodiscard]] const fem::MeshShare* share() const;
   /// Number of time steps so far.
   [[nodiscard]] long steps() const;
 
@@ -65,6 +68,7 @@ struct SpeciesRecord {
   double eta_healthy_min, eta_healthy_max;  ///< species 0 outside the wound
   double far_field_second;  ///< species 1 (zeta) at the vertex farthest from the wound
 };
+/// Collective where the mesh is shared; then the same on every process, of the whole mesh.
 SpeciesRecord record(const ReactionDiffusion& rd, const TetMesh& mesh, std::span<const Vec3> points,
                      std::span<const double> wound_fraction, const Model& model);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "fem/session.hpp"
+
 namespace sanatrix::healing {
 namespace {
 
@@ -60,23 +62,13 @@ void multiply_blocks(std::span<const int> first, std::span<const int> unknown,
 
 }  // namespace
 
-int Partition::chunk_begin(int chunk, int vertices) {
-  const int size = (vertices + chunks - 1) / chunks;
-  return std::min(chunk * size, vertices);
-}
-
-int Partition::rank_begin(int rank, int ranks, int vertices) {
-  return chunk_begin(rank * chunks / ranks, vertices);
-}
-
 System::System(const TetMesh& mesh, std::span<const Vec3> points,
-               std::span<const double> wound_fraction, const Model& model, int rank, int ranks)
+               std::span<const double> wound_fraction, const Model& model,
+               const fem::MeshShare* share)
     : model_(&model),
+      share_(share),
       species_(static_cast<int>(model.species().size())),
-      vertices_(static_cast<int>(points.size())),
-      begin_(Partition::rank_begin(rank, ranks, vertices_)),
-      end_(Partition::rank_begin(rank + 1, ranks, vertices_)),
-      wound_(make_wound_map(mesh, points, wound_fraction)) {
+      wound_(make_wound_map(mesh, points, wound_fraction, share)) {
   for (int s = 0; s < species_; ++s) {
     const Species& kind = model.species()[s];
     Group& group = groups_[kind.clamped_outside ? 1 : 0];
@@ -84,48 +76,57 @@ System::System(const TetMesh& mesh, std::span<const Vec3> points,
     group.diffusion.diffusivity.push_back(kind.diffusivity);
     group.diffusion.healthy.push_back(kind.healthy);
   }
-  for (int v = begin_; v < end_; ++v) {
-    groups_[0].vertices.push_back(v);
-    if (wound_.vertex[v]) {
-      groups_[1].vertices.push_back(v);
-    }
-  }
-  std::array<std::vector<int>, 2> global;
-  for (std::size_t g = 0; g < 2; ++g) {
-    groups_[g].diffusion.first = own_unknowns_;
-    own_unknowns_ += groups_[g].stride() * static_cast<int>(groups_[g].vertices.size());
-    global[g].resize(vertices_);
-  }
-  wound_unknowns_ = species_ * static_cast<int>(std::ranges::count(wound_.vertex, true));
-  number_globally(ranks, global);
-  for (std::size_t g = 0; g < 2; ++g) {
-    groups_[g].diffusion.laplacian = make_laplacian(
-        mesh, points, wound_, g == 0 ? Domain::Mesh : Domain::Wound, groups_[g].vertices);
-    localise_columns(groups_[g], global[g]);
-    add_chunks(groups_[g]);
-  }
-  chunks_.push_back(own_unknowns_);
-  index_vertices();
-}
-
-/// Global numbers go rank after rank, and within a rank as in its own vector.
-void System::number_globally(int ranks, std::array<std::vector<int>, 2>& global) {
-  for (int r = 0; r < ranks; ++r) {
-    const int rank_end = Partition::rank_begin(r + 1, ranks, vertices_);
-    for (std::size_t g = 0; g < 2; ++g) {
-      for (int v = Partition::rank_begin(r, ranks, vertices_); v < rank_end; ++v) {
-        global[g][v] = all_unknowns_;
-        all_unknowns_ += g == 0 || wound_.vertex[v] ? groups_[g].stride() : 0;
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    if (fem::owns_vertex(share, v)) {
+      own_.push_back(static_cast<int>(v));
+      wound_share_.push_back(wound_.fraction[v]);
+      if (wound_.vertex[v]) {
+        groups_[1].vertices.push_back(static_cast<int>(v));
       }
     }
   }
+  groups_[0].vertices = own_;
+  for (Group& group : groups_) {
+    group.diffusion.first = own_unknowns_;
+    own_unknowns_ += group.stride() * static_cast<int>(group.vertices.size());
+  }
+  all_unknowns_ = static_cast<int>(fem::sum(share, own_unknowns_));
+  wound_unknowns_ =
+      static_cast<int>(fem::sum(share, species_ * static_cast<double>(groups_[1].vertices.size())));
+  const std::vector<double> global = global_numbers();
+  for (std::size_t g = 0; g < 2; ++g) {
+    groups_[g].diffusion.laplacian = make_laplacian(
+        mesh, points, wound_, g == 0 ? Domain::Mesh : Domain::Wound, groups_[g].vertices);
+    localise_columns(g, global);
+  }
+  index_vertices();
+}
+
+/// For every vertex and either group the global number of its first unknown, -1 where it has none.
+/// Numbers go process after process, and within one as in its own vector.
+std::vector<double> System::global_numbers() const {
+  std::vector<double> global(2 * wound_.vertex.size(), -1.0);
+  if (share_ == nullptr) {
+    return global;  // nobody asks: there are no ghosts
+  }
+  const double before = fem::sum_before(own_unknowns_);
+  for (std::size_t g = 0; g < 2; ++g) {
+    double next = before + groups_[g].diffusion.first;
+    for (const int v : groups_[g].vertices) {
+      global[2 * v + g] = next;
+      next += groups_[g].stride();
+    }
+  }
+  share_->fetch(global, 2);
+  return global;
 }
 
 /// Columns that are vertices become places in the local vector: own unknowns, then ghosts.
-void System::localise_columns(Group& group, const std::vector<int>& global) {
+void System::localise_columns(std::size_t g, std::span<const double> global) {
+  Group& group = groups_[g];
   auto& entries = group.diffusion.laplacian.entries;
   const auto mine = [&](int vertex) {
-    return vertex >= begin_ && vertex < end_;
+    return fem::owns_vertex(share_, vertex);
   };
   std::vector<int> strangers;
   for (const auto& e : entries) {
@@ -139,7 +140,7 @@ void System::localise_columns(Group& group, const std::vector<int>& global) {
   const int first_ghost = own_unknowns_ + static_cast<int>(ghosts_.size());
   for (const int v : strangers) {
     for (int s = 0; s < group.stride(); ++s) {
-      ghosts_.push_back(global[v] + s);
+      ghosts_.push_back(static_cast<int>(global[2 * v + g]) + s);
     }
   }
   const auto place = [](const std::vector<int>& sorted, int vertex) {
@@ -152,22 +153,17 @@ void System::localise_columns(Group& group, const std::vector<int>& global) {
   }
 }
 
-void System::add_chunks(const Group& group) {
-  for (int c = 0; c < Partition::chunks; ++c) {
-    const auto before =
-        std::ranges::lower_bound(group.vertices, Partition::chunk_begin(c, vertices_)) -
-        group.vertices.begin();
-    chunks_.push_back(group.diffusion.first + group.stride() * static_cast<int>(before));
-  }
-}
-
 void System::index_vertices() {
-  std::vector<std::vector<std::array<int, 2>>> of(end_ - begin_);  // species, unknown
+  std::vector<int> place(wound_.vertex.size(), -1);  // among own vertices
+  for (std::size_t i = 0; i < own_.size(); ++i) {
+    place[own_[i]] = static_cast<int>(i);
+  }
+  std::vector<std::vector<std::array<int, 2>>> of(own_.size());  // species, unknown
   for (const Group& group : groups_) {
     int unknown = group.diffusion.first;
     for (const int v : group.vertices) {
       for (const int s : group.species) {
-        of[v - begin_].push_back({s, unknown++});
+        of[place[v]].push_back({s, unknown++});
       }
     }
   }
@@ -195,19 +191,19 @@ void System::index_vertices() {
 
 std::vector<double> System::initial_state() const {
   std::vector<double> q;
-  q.reserve(static_cast<std::size_t>(vertices_) * species_);
-  for (int v = 0; v < vertices_; ++v) {
+  q.reserve(wound_.vertex.size() * species_);
+  for (const bool wounded : wound_.vertex) {
     for (const Species& s : model_->species()) {
-      q.push_back(wound_.vertex[v] ? s.wounded : s.healthy);
+      q.push_back(wounded ? s.wounded : s.healthy);
     }
   }
   return q;
 }
 
-void System::pick_unknowns(std::span<const double> all_vertices, std::span<double> own) const {
+void System::pick_unknowns(std::span<const double> state, std::span<double> own) const {
   for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
     for (int k = first_[i]; k < first_[i + 1]; ++k) {
-      own[unknown_[k]] = all_vertices[(begin_ + i) * species_ + species_of_[k]];
+      own[unknown_[k]] = state[own_[i] * species_ + species_of_[k]];
     }
   }
 }
@@ -220,14 +216,18 @@ void System::gather(std::span<const double> own, std::span<double> at_vertices) 
   }
 }
 
-std::vector<double> System::at_own_vertices(std::span<const double> own) const {
-  std::vector<double> result = at_vertices_;
-  gather(own, result);
+std::vector<double> System::at_vertices(std::span<const double> own) const {
+  std::vector<double> mine = at_vertices_;
+  gather(own, mine);
+  if (share_ == nullptr) {
+    return mine;
+  }
+  std::vector<double> result(wound_.vertex.size() * species_);
+  for (std::size_t i = 0; i < own_.size(); ++i) {
+    std::copy_n(mine.begin() + i * species_, species_, result.begin() + own_[i] * species_);
+  }
+  share_->fetch(result, species_);
   return result;
-}
-
-std::span<const double> System::wound_flags() const {
-  return std::span(wound_.fraction).subspan(begin_, end_ - begin_);
 }
 
 void System::rate(std::span<const double> q, std::span<double> dq) {
@@ -235,7 +235,7 @@ void System::rate(std::span<const double> q, std::span<double> dq) {
     group.diffusion.apply(q, dq);
   }
   gather(q, at_vertices_);
-  model_->source(at_vertices_, wound_flags(), rates_, {});
+  model_->source(at_vertices_, wound_share_, rates_, {});
   for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
     for (int k = first_[i]; k < first_[i + 1]; ++k) {
       dq[unknown_[k]] += rates_[i * species_ + species_of_[k]];
@@ -245,7 +245,7 @@ void System::rate(std::span<const double> q, std::span<double> dq) {
 
 void System::linearise(std::span<const double> q) {
   gather(q, at_vertices_);
-  model_->source(at_vertices_, wound_flags(), rates_, full_jacobian_);
+  model_->source(at_vertices_, wound_share_, rates_, full_jacobian_);
   double* entry = source_jacobian_.data();
   for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
     for (int a = first_[i]; a < first_[i + 1]; ++a) {
@@ -312,7 +312,7 @@ System::StepLimit System::explicit_limit() const {
   for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
     for (int k = first_[i]; k < first_[i + 1]; ++k) {
       if (radius[unknown_[k]] * limit.dt > 2.0) {
-        limit = {2.0 / radius[unknown_[k]], species_of_[k], begin_ + static_cast<int>(i)};
+        limit = {2.0 / radius[unknown_[k]], species_of_[k], own_[i]};
       }
     }
   }

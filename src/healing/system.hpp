@@ -1,5 +1,5 @@
-// The semi-discrete equations dq/dt = D lap q + S(q) for the unknowns that one rank owns: Eq. (7)
-// of doi:10.1371/journal.pone.0159766 with clamped unknowns left out. No library, no time stepping.
+// The semi-discrete equations dq/dt = D lap q + S(q) for the unknowns that one process owns: Eq.
+// (7) of doi:10.1371/journal.pone.0159766 with clamped unknowns left out. No time stepping.
 #pragma once
 
 #include <array>
@@ -13,37 +13,30 @@
 
 namespace sanatrix::healing {
 
-/// Vertices fall into a fixed number of consecutive chunks, and a rank owns whole chunks: sums
-/// taken chunk by chunk have the same bits on any number of ranks.
-struct Partition {
-  static constexpr int chunks = 256;
-  static int chunk_begin(int chunk, int vertices);
-  static int rank_begin(int rank, int ranks, int vertices);
-};
-
 /// The own vector holds two groups of unknowns: species that live in the whole mesh, for every own
 /// vertex; then species that are clamped outside the wound, for every own wound vertex.
 class System {
  public:
+  /// share: the mesh is this process's share of a larger; nullptr: it is the whole, of this process
+  /// alone. Collective where the mesh is shared.
   System(const TetMesh& mesh, std::span<const Vec3> points, std::span<const double> wound_fraction,
-         const Model& model, int rank, int ranks);
+         const Model& model, const fem::MeshShare* share);
 
+  [[nodiscard]] const fem::MeshShare* share() const { return share_; }
   [[nodiscard]] const WoundMap& wound() const { return wound_; }
   [[nodiscard]] int own_unknowns() const { return own_unknowns_; }
   [[nodiscard]] int all_unknowns() const { return all_unknowns_; }
   /// Unknowns at wound vertices, of the whole mesh.
   [[nodiscard]] int wound_unknowns() const { return wound_unknowns_; }
-  /// Unknowns of other ranks that own rows refer to; they follow the own ones.
+  /// Global numbers of others' unknowns that own rows refer to; they follow the own ones.
   [[nodiscard]] const std::vector<int>& ghosts() const { return ghosts_; }
-  /// Ranges of own unknowns, one after the other: begin of a chunk of either group; empty ones
-  /// belong to other ranks. 2 x chunks + 1 entries.
-  [[nodiscard]] const std::vector<int>& chunks() const { return chunks_; }
 
-  /// Species at the start, vertices x species, of the whole mesh.
+  /// Species at the start, vertices x species.
   [[nodiscard]] std::vector<double> initial_state() const;
-  /// From and to vertices x species (own vertices; clamped species get their healthy value).
-  void pick_unknowns(std::span<const double> all_vertices, std::span<double> own) const;
-  [[nodiscard]] std::vector<double> at_own_vertices(std::span<const double> own) const;
+  /// From and to vertices x species; clamped species get their healthy value, vertices of other
+  /// processes what those have. at_vertices is collective where the mesh is shared.
+  void pick_unknowns(std::span<const double> state, std::span<double> own) const;
+  [[nodiscard]] std::vector<double> at_vertices(std::span<const double> own) const;
 
   /// dq/dt of the own unknowns; q: own unknowns and ghosts.
   void rate(std::span<const double> q, std::span<double> dq);
@@ -59,7 +52,7 @@ class System {
   struct StepLimit {
     double dt;    ///< [s]
     int species;  ///< that sets it
-    int vertex;   ///< where, of the whole mesh
+    int vertex;   ///< where
   };
   /// Largest step of explicit Euler that is surely stable for the own unknowns (Gershgorin), at the
   /// last linearisation.
@@ -69,23 +62,24 @@ class System {
   /// One of the two groups.
   struct Group {
     std::vector<int> species;
-    std::vector<int> vertices;  ///< own, ascending
+    std::vector<int> vertices;  ///< of the mesh, own ones, ascending
     Diffusion diffusion;
     [[nodiscard]] int stride() const { return static_cast<int>(species.size()); }
   };
-  void number_globally(int ranks, std::array<std::vector<int>, 2>& global);
-  void localise_columns(Group& group, const std::vector<int>& global);
-  void add_chunks(const Group& group);
+  [[nodiscard]] std::vector<double> global_numbers() const;
+  void localise_columns(std::size_t g, std::span<const double> global);
   void index_vertices();
   void gather(std::span<const double> own, std::span<double> at_vertices) const;
-  [[nodiscard]] std::span<const double> wound_flags() const;
 
   const Model* model_;
-  int species_, vertices_, begin_, end_;
+  const fem::MeshShare* share_;
+  int species_;
   WoundMap wound_;
+  std::vector<int> own_;             ///< vertices, ascending
+  std::vector<double> wound_share_;  ///< WoundMap::fraction of own vertices
   std::array<Group, 2> groups_;
   int own_unknowns_ = 0, all_unknowns_ = 0, wound_unknowns_ = 0;
-  std::vector<int> ghosts_, chunks_;
+  std::vector<int> ghosts_;
   // Unknowns by own vertex: vertex i has unknown_[k] of species species_of_[k] for
   // first_[i] <= k < first_[i + 1], and a square block of that size from block_[i] on.
   std::vector<int> first_, unknown_, species_of_, block_;

@@ -33,7 +33,7 @@ std::vector<std::array<int, 3>> surface(const TetMesh& mesh, const std::vector<b
 }  // namespace
 
 WoundMap make_wound_map(const TetMesh& mesh, std::span<const Vec3> points,
-                        std::span<const double> wound_fraction) {
+                        std::span<const double> wound_fraction, const fem::MeshShare* share) {
   const std::size_t n = points.size();
   WoundMap map{std::vector<bool>(mesh.cells.size()), std::vector<bool>(n), std::vector<double>(n),
                std::vector<double>(n)};
@@ -56,6 +56,11 @@ WoundMap make_wound_map(const TetMesh& mesh, std::span<const Vec3> points,
     for (const int i : {a, b, c}) {
       map.area[i] += area / 3.0;
     }
+  }
+  if (share != nullptr) {
+    std::vector<std::uint8_t> touched(map.vertex.begin(), map.vertex.end());
+    share->fetch(touched);
+    map.vertex.assign(touched.begin(), touched.end());
   }
   return map;
 }

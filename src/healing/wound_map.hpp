@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "fem/mesh_share.hpp"
 #include "geometry/tet_mesh.hpp"
 
 namespace sanatrix::healing {
@@ -16,7 +17,8 @@ struct WoundMap {
   std::vector<double> area;      ///< the vertex's share in the surface of the wound cells [m2]
 };
 
+/// Complete for vertices that this process owns; of the others of its share, `vertex` only.
 WoundMap make_wound_map(const TetMesh& mesh, std::span<const Vec3> points,
-                        std::span<const double> wound_fraction);
+                        std::span<const double> wound_fraction, const fem::MeshShare* share);
 
 }  // namespace sanatrix::healing

@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "imaging/body_mask.hpp"
+#include "imaging/denoise.hpp"
 #include "imaging/fat_field.hpp"
 #include "imaging/grids.hpp"
 
@@ -12,14 +13,18 @@ namespace sanatrix::imaging {
 namespace {
 
 constexpr double working_mm = 1.2;  ///< in-plane voxel size for field and chest wall
-constexpr double wide_knots_mm = 70.0, fine_knots_mm = 45.0;
+constexpr double wide_knots_mm = 70.0, fine_knots_mm = 45.0, finest_knots_mm = 25.0;
 constexpr double skin_mm = 2.0;  ///< thickness; Huang et al., doi:10.1118/1.2841938: 1-2.5 mm
 /// Half way between air and skin, relative to fat: skin has about a third of fat's signal.
 constexpr float skin_edge = 0.17F;
-constexpr double surroundings_mm = 0.6;
-/// A voxel with this share counts as gland. Less than a half: slices are thicker than strands of
+/// Of the share of gland between neighbouring voxels, for the smoothing.
+constexpr double share_step = 0.25;
+/// A voxel with this share counts as gland: a half where gland is solid enough for a peak of its
+/// own in the histogram. Less where there are mixtures alone: slices are thicker than strands of
 /// gland and mix them with the fat around, which is more than the gland.
-constexpr float gland_share = 0.48F;
+constexpr double solid_gland_share = 0.50, strand_gland_share = 0.42;
+/// With this share of pure voxels among those that hold gland it is solid.
+constexpr double solid_part = 0.33;
 constexpr double muscle_mm = 12.0;    ///< behind the fascia; pectorals and ribs
 constexpr float lung_signal = 0.10F;  ///< relative to fat
 
@@ -181,7 +186,9 @@ Coarse find_on_working_grid(const Image3<float>& ordered, const Context& ctx) {
   ChestWall wall = find_chest_wall(divided(small, signal), body, cleft.i_mm, cleft.j_mm);
   // Once more with the shading of what lies in front of the wall alone.
   ctx.at(0.55, "coil shading of the breasts");
-  field = estimate_fat_field(small, soft_interior(body, wall, 3.0, 2.0), fine_knots_mm);
+  const Mask breasts = soft_interior(body, wall, 3.0, 2.0);
+  field = estimate_fat_field(small, breasts, fine_knots_mm);
+  field = refine_fat_field(small, breasts, field, finest_knots_mm);
   signal = fat_signal_on(field, small);
   Image3<float> relative = divided(small, signal);
   ctx.at(0.75, "chest wall");
@@ -251,18 +258,39 @@ Image3<float> plain_share(const Image3<float>& image, const Image3<float>& fat_s
   return share;
 }
 
+/// Noise of that share: the scanner's is the same everywhere, the signal is not.
+Image3<float> deviation_of_share(const Image3<float>& image, const Image3<float>& fat_signal,
+                                 const GlandularModel& gland, const Mask& clean) {
+  const double noise = noise_deviation(image, clean);
+  Image3<float> deviation = image_like<float>(image);
+  for (std::size_t v = 0; v < deviation.voxels.size(); ++v) {
+    deviation.voxels[v] =
+        static_cast<float>(noise / (std::max(static_cast<double>(fat_signal.voxels[v]), 1e-6) *
+                                    (gland.fat_signal - gland.gland_signal)));
+  }
+  return deviation;
+}
+
+double least_share(const GlandularModel& gland) {
+  const double pure = gland.parts[1] / std::max(gland.parts[1] + gland.parts[2], 1e-9);
+  return strand_gland_share +
+         (solid_gland_share - strand_gland_share) * std::min(1.0, pure / solid_part);
+}
+
 /// Fibroglandular is what holds more gland than fat. Which voxels is decided by the share of the
 /// surroundings, since noise sits in single voxels; how many by the shares themselves, since a mean
 /// over the surroundings thins strands. Where noise lets fat look like gland, it lets as much fat
 /// look as far brighter than fat: these are taken off.
-void harden(TissueGrid& grid, const Image3<float>& share, const Mask& clean) {
-  const Image3<float> around = in_plane_smoothed(share, surroundings_mm);
+void harden(TissueGrid& grid, const Image3<float>& share, const Image3<float>& deviation,
+            double gland_share, const Mask& clean) {
+  const Image3<float> around = without_noise(share, deviation, clean, share_step);
   std::vector<float> candidates;
   long gland = 0;
   for (std::size_t v = 0; v < around.voxels.size(); ++v) {
     if (clean.voxels[v] != 0) {
       candidates.push_back(around.voxels[v]);
-      gland += share.voxels[v] > gland_share ? 1 : share.voxels[v] < -gland_share ? -1 : 0;
+      const double here = share.voxels[v];
+      gland += here > gland_share ? 1 : here < -gland_share ? -1 : 0;
     }
   }
   if (gland <= 0) {
@@ -318,7 +346,9 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
       }
     }
   }
-  harden(found.grid, plain_share(ordered, signal, coarse.gland, found.grid, clean), clean);
+  harden(found.grid, plain_share(ordered, signal, coarse.gland, found.grid, clean),
+         deviation_of_share(ordered, signal, coarse.gland, clean), least_share(coarse.gland),
+         clean);
   found.wall = std::move(coarse.wall);
   found.gland = coarse.gland;
   found.noise = coarse.air.deviation;

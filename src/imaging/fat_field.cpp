@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include "core/error.hpp"
+#include "imaging/glandular.hpp"
 
 namespace sanatrix::imaging {
 namespace {
@@ -23,43 +24,73 @@ constexpr double block_mm = 6.0;     ///< one sample per block of about this siz
 constexpr double envelope = 0.80;    ///< quantile of a block that stands for its fat
 constexpr double least_share = 0.6;  ///< of a block inside the mask
 
-/// One sample per block: its envelope's logarithm.
-std::vector<FatField::Sample> block_samples(const Image3<float>& image, const Mask& where) {
+/// Calls visit(first, after) for every block of whole voxels: index ranges along i, j, k.
+template <class Visit>
+void for_each_block(const Image3<float>& image, const Visit& visit) {
   std::array<int, 3> n{};
   for (std::size_t a = 0; a < 3; ++a) {
     n[a] = std::max(1, static_cast<int>(std::lround(block_mm / image.spacing_mm[a])));
   }
-  std::vector<FatField::Sample> samples;
-  std::vector<float> block;
   for (int k = 0; k + n[2] <= image.size[2]; k += n[2]) {
     for (int j = 0; j + n[1] <= image.size[1]; j += n[1]) {
       for (int i = 0; i + n[0] <= image.size[0]; i += n[0]) {
-        block.clear();
-        for (int c = k; c < k + n[2]; ++c) {
-          for (int b = j; b < j + n[1]; ++b) {
-            for (int a = i; a < i + n[0]; ++a) {
-              if (where.at(a, b, c) != 0) {
-                block.push_back(image.at(a, b, c));
-              }
-            }
-          }
-        }
-        if (static_cast<double>(block.size()) < least_share * n[0] * n[1] * n[2]) {
-          continue;
-        }
-        const auto high =
-            block.begin() + static_cast<long>(envelope * static_cast<double>(block.size() - 1));
-        std::nth_element(block.begin(), high, block.end());
-        if (*high > 0.0F) {
-          samples.push_back({{(i + 0.5 * (n[0] - 1)) * image.spacing_mm[0],
-                              (j + 0.5 * (n[1] - 1)) * image.spacing_mm[1],
-                              (k + 0.5 * (n[2] - 1)) * image.spacing_mm[2]},
-                             std::log(static_cast<double>(*high))});
+        visit(std::array{i, j, k}, std::array{i + n[0], j + n[1], k + n[2]});
+      }
+    }
+  }
+}
+
+/// Calls visit(voxel) for the voxels of a block that the mask has.
+template <class Visit>
+void for_each_voxel(const Mask& where, const std::array<int, 3>& first,
+                    const std::array<int, 3>& after, const Visit& visit) {
+  for (int k = first[2]; k < after[2]; ++k) {
+    for (int j = first[1]; j < after[1]; ++j) {
+      for (int i = first[0]; i < after[0]; ++i) {
+        if (const std::size_t v = where.index(i, j, k); where.voxels[v] != 0) {
+          visit(v);
         }
       }
     }
   }
+}
+
+Vec3 centre_mm(const Image3<float>& image, const std::array<int, 3>& first,
+               const std::array<int, 3>& after) {
+  Vec3 centre{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    centre[a] = 0.5 * (first[a] + after[a] - 1) * image.spacing_mm[a];
+  }
+  return centre;
+}
+
+/// One sample per block: its envelope's logarithm.
+std::vector<FatField::Sample> block_samples(const Image3<float>& image, const Mask& where) {
+  std::vector<FatField::Sample> samples;
+  std::vector<float> block;
+  for_each_block(image, [&](const std::array<int, 3>& first, const std::array<int, 3>& after) {
+    block.clear();
+    for_each_voxel(where, first, after, [&](std::size_t v) { block.push_back(image.voxels[v]); });
+    const int all = (after[0] - first[0]) * (after[1] - first[1]) * (after[2] - first[2]);
+    if (static_cast<double>(block.size()) < least_share * all) {
+      return;
+    }
+    const auto high =
+        block.begin() + static_cast<long>(envelope * static_cast<double>(block.size() - 1));
+    std::nth_element(block.begin(), high, block.end());
+    if (*high > 0.0F) {
+      samples.push_back({centre_mm(image, first, after), std::log(static_cast<double>(*high))});
+    }
+  });
   return samples;
+}
+
+Vec3 extent_mm(const Image3<float>& image) {
+  Vec3 extent{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    extent[a] = image.size[a] * image.spacing_mm[a];
+  }
+  return extent;
 }
 
 }  // namespace
@@ -148,7 +179,9 @@ void FatField::fit(const std::vector<Sample>& samples, const std::vector<double>
       }
     }
   }
-  const Eigen::VectorXd solution = normal.ldlt().solve(right);
+  // Where nothing pulls at a line of control values, as far from the body, it may have any slope.
+  normal.diagonal().array() += 1e-9 * total / static_cast<double>(n);
+  const Eigen::VectorXd solution = normal.llt().solve(right);
   for (Eigen::Index i = 0; i < n; ++i) {
     value_[static_cast<std::size_t>(i)] = solution[i];
   }
@@ -174,11 +207,7 @@ double FatField::log_at(const Vec3& at) const {
 FatField estimate_fat_field(const Image3<float>& image, const Mask& where, double knot_mm) {
   const std::vector<FatField::Sample> samples = block_samples(image, where);
   require(samples.size() > 200, "the body in the image is too small for a breast MRI");
-  Vec3 extent{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    extent[a] = image.size[a] * image.spacing_mm[a];
-  }
-  FatField field(extent, knot_mm);
+  FatField field(extent_mm(image), knot_mm);
   std::vector<double> weights(samples.size(), 1.0);
   // Asymmetric least squares (expectiles, doi:10.2307/1911031): what lies below the field hardly
   // counts, so that a wide region in which every voxel holds some gland is not taken for shading;
@@ -193,6 +222,42 @@ FatField estimate_fat_field(const Image3<float>& image, const Mask& where, doubl
       const double outlier = residual > 0.0 ? bright_outlier : round < 8 ? 1e3 : dark_outlier;
       weights[p] = (residual > 0.0 ? 1.0 : below) / (1.0 + std::pow(residual / outlier, 2));
     }
+  }
+  return field;
+}
+
+FatField refine_fat_field(const Image3<float>& image, const Mask& where, const FatField& coarse,
+                          double knot_mm) {
+  constexpr int rounds = 4;
+  // What looks like fat among much gland are mixtures with some gland: they say little.
+  constexpr double stiffness = 0.01, least_fat = 0.3;
+  FatField field = coarse;
+  for (int round = 0; round < rounds; ++round) {
+    Image3<float> relative = fat_signal_on(field, image);
+    for (std::size_t v = 0; v < image.voxels.size(); ++v) {
+      relative.voxels[v] = image.voxels[v] / std::max(relative.voxels[v], 1e-6F);
+    }
+    const GlandularModel model = fit_glandular_model(relative, where);
+    std::vector<FatField::Sample> samples;
+    std::vector<double> weights;
+    for_each_block(image, [&](const std::array<int, 3>& first, const std::array<int, 3>& after) {
+      double fat_voxels = 0.0, sum = 0.0, all = 0.0;
+      for_each_voxel(where, first, after, [&](std::size_t v) {
+        if (image.voxels[v] > 0.0F) {
+          const double fat = pure_fat(model, static_cast<double>(relative.voxels[v]));
+          all += 1.0;
+          fat_voxels += fat;
+          sum += fat * std::log(static_cast<double>(image.voxels[v]));
+        }
+      });
+      if (all > 0.0 && fat_voxels > least_fat * all) {
+        samples.push_back({centre_mm(image, first, after), sum / fat_voxels});
+        weights.push_back(fat_voxels * std::pow(fat_voxels / all, 2));
+      }
+    });
+    FatField next(extent_mm(image), knot_mm);
+    next.fit(samples, weights, stiffness);
+    field = std::move(next);
   }
   return field;
 }

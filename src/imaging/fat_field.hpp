@@ -36,6 +36,12 @@ class FatField {
 /// the brightest tissue without fat suppression, and is found in most small neighbourhoods.
 FatField estimate_fat_field(const Image3<float>& image, const Mask& where, double knot_mm);
 
+/// The same with finer knots, from voxels that hold fat alone by their signal: expectation (which
+/// they are, given the field) and maximisation (the field, given them) in turns, as Van Leemput et
+/// al., doi:10.1109/42.811270, do for the brain.
+FatField refine_fat_field(const Image3<float>& image, const Mask& where, const FatField& coarse,
+                          double knot_mm);
+
 /// The field on a grid with the axes of the image it was fitted to; the grid's first voxel lies
 /// `first_mm` from that image's first voxel, along the axes.
 Image3<float> fat_signal_on(const FatField& field, const Image3<float>& grid,

@@ -54,39 +54,41 @@ std::size_t highest(const std::array<double, bins>& count, double from, double t
   return best;
 }
 
-/// Signals of one model: pure fat, pure gland, and voxels that hold both in every proportion.
-struct Mixture {
-  std::array<double, bins> fat{}, gland{}, partial{};
-};
-
-Mixture mixture_of(double fat_signal, double gland_signal, double spread) {
-  Mixture m;
-  const auto normal = [](double x, double mean, double deviation) {
-    const double t = (x - mean) / deviation;
-    return std::exp(-0.5 * t * t) / (deviation * std::sqrt(2.0 * std::numbers::pi));
-  };
-  const double root = spread * std::numbers::sqrt2;
-  for (std::size_t b = 0; b < bins; ++b) {
-    const double x = centre(b);
-    m.fat[b] = normal(x, fat_signal, spread);
-    m.gland[b] = normal(x, gland_signal, spread);
-    m.partial[b] = 0.5 * (std::erf((x - gland_signal) / root) - std::erf((x - fat_signal) / root)) /
-                   (fat_signal - gland_signal);
-  }
-  return m;
+double normal(double x, double mean, double deviation) {
+  const double t = (x - mean) / deviation;
+  return std::exp(-0.5 * t * t) / (deviation * std::sqrt(2.0 * std::numbers::pi));
 }
 
-/// Log-likelihood of the histogram with the best shares of the three parts (EM).
-double likelihood(const std::array<double, bins>& count, std::size_t first, const Mixture& m) {
-  std::array<double, 3> share{0.6, 0.1, 0.3};
+/// Densities at a signal of pure fat, pure gland, and voxels that hold both in every proportion.
+std::array<double, 3> densities(const GlandularModel& m, double x) {
+  const double root = m.fat_spread * std::numbers::sqrt2;
+  return {normal(x, m.fat_signal, m.fat_spread), normal(x, m.gland_signal, m.fat_spread),
+          0.5 * (std::erf((x - m.gland_signal) / root) - std::erf((x - m.fat_signal) / root)) /
+              (m.fat_signal - m.gland_signal)};
+}
+
+constexpr double anything = 1e-6;  ///< density of what is none of these
+
+/// Finds the parts with which the model explains the histogram best (EM) and returns the
+/// log-likelihood.
+double fit_parts(const std::array<double, bins>& count, GlandularModel& model) {
+  const auto first = static_cast<std::size_t>(least_gland_signal / bin_width);
+  std::array<std::array<double, 3>, bins> density{};
+  for (std::size_t b = first; b < bins; ++b) {
+    density[b] = densities(model, centre(b));
+  }
+  model.parts = {0.6, 0.1, 0.3};
   double value = 0.0;
   for (int round = 0; round < 60; ++round) {
     std::array<double, 3> next{};
     value = 0.0;
     for (std::size_t b = first; b < bins; ++b) {
-      const std::array<double, 3> part{share[0] * m.fat[b], share[1] * m.gland[b],
-                                       share[2] * m.partial[b]};
-      const double sum = part[0] + part[1] + part[2] + 1e-6;
+      std::array<double, 3> part{};
+      double sum = anything;
+      for (std::size_t c = 0; c < 3; ++c) {
+        part[c] = model.parts[c] * density[b][c];
+        sum += part[c];
+      }
       value += count[b] * std::log(sum);
       for (std::size_t c = 0; c < 3; ++c) {
         next[c] += count[b] * part[c] / sum;
@@ -94,7 +96,7 @@ double likelihood(const std::array<double, bins>& count, std::size_t first, cons
     }
     const double total = next[0] + next[1] + next[2];
     for (std::size_t c = 0; c < 3; ++c) {
-      share[c] = next[c] / total;
+      model.parts[c] = next[c] / total;
     }
   }
   return value;
@@ -116,19 +118,27 @@ GlandularModel fit_glandular_model(const Image3<float>& relative, const Mask& wh
     ++half;
   }
   model.fat_spread = std::max((centre(half) - model.fat_signal) / 1.1774, 0.02);
-  const auto first = static_cast<std::size_t>(least_gland_signal / bin_width);
-  double best = -std::numeric_limits<double>::infinity();
-  for (double gland = least_gland_signal + 0.02; gland < model.fat_signal - 2.0 * model.fat_spread;
-       gland += 2.0 * bin_width) {
-    const double fit =
-        likelihood(count, first, mixture_of(model.fat_signal, gland, model.fat_spread));
-    if (fit > best) {
-      best = fit;
-      model.gland_signal = gland;
+  GlandularModel best = model;
+  double most = -std::numeric_limits<double>::infinity();
+  for (model.gland_signal = least_gland_signal + 0.02;
+       model.gland_signal < model.fat_signal - 2.0 * model.fat_spread;
+       model.gland_signal += 2.0 * bin_width) {
+    if (const double fit = fit_parts(count, model); fit > most) {
+      most = fit;
+      best = model;
     }
   }
-  model.separation = (model.fat_signal - model.gland_signal) / model.fat_spread;
-  return model;
+  best.separation = (best.fat_signal - best.gland_signal) / best.fat_spread;
+  return best;
+}
+
+double pure_fat(const GlandularModel& model, double relative) {
+  const std::array<double, 3> density = densities(model, relative);
+  double sum = anything;
+  for (std::size_t c = 0; c < 3; ++c) {
+    sum += model.parts[c] * density[c];
+  }
+  return model.parts[0] * density[0] / sum;
 }
 
 float glandular_share(const GlandularModel& model, float relative) {

@@ -1,7 +1,7 @@
 // Fibroglandular tissue against fat: a share per voxel from the signal relative to fat.
 #pragma once
 
-#include <string>
+#include <array>
 
 #include "geometry/image.hpp"
 #include "geometry/image_filters.hpp"
@@ -13,10 +13,14 @@ struct GlandularModel {
   double fat_signal = 1.0;    ///< peak of fat after bias correction
   double fat_spread = 0.05;   ///< standard deviation of fat: noise, texture, rest of the shading
   double separation = 0.0;    ///< |fat - gland| / spread: below 3 the two cannot be told apart
+  std::array<double, 3> parts{0.6, 0.1, 0.3};  ///< shares of pure fat, pure gland, mixed voxels
 };
 
 /// Finds the two classes in the histogram of `relative` within `where`.
 GlandularModel fit_glandular_model(const Image3<float>& relative, const Mask& where);
+
+/// Probability that a voxel of this relative signal holds fat alone.
+double pure_fat(const GlandularModel& model, double relative);
 
 /// Share of fibroglandular tissue, 0..1, that a relative signal means.
 float glandular_share(const GlandularModel& model, float relative);

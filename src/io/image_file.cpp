@@ -16,12 +16,24 @@
 
 #include "core/error.hpp"
 #include "core/files.hpp"
-#include "io/image_completeness.hpp"
+#include "io/image_checks.hpp"
 
 namespace sanatrix::io {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// What ITK says, without the object that says it: "Reason" of "ITK ERROR: Image(0x5641): Reason".
+std::string reason_of(const itk::ExceptionObject& e) {
+  std::string text = e.GetDescription();
+  for (const std::string_view mark : {"ERROR: ", "): "}) {
+    if (const std::size_t at = text.find(mark); at != std::string::npos) {
+      text.erase(0, at + mark.size());
+    }
+  }
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
 
 /// ITK's exceptions as ours, on one line that names the file.
 template <class F>
@@ -29,8 +41,8 @@ auto with_itk(Fault fault, const fs::path& file, const char* activity, F&& work)
   try {
     return work();
   } catch (const itk::ExceptionObject& e) {
-    throw Error(fault,
-                fmt::format("cannot {} {}: {}", activity, file.string(), e.GetDescription()));
+    throw Error(fault, fmt::format("cannot {} {}: {}", activity, file.string(), reason_of(e)),
+                fault == Fault::Input ? "check its header, or export the image again" : "");
   }
 }
 
@@ -126,6 +138,8 @@ Image3<float> read_image(const fs::path& file) {
   return with_itk(Fault::Input, file, "read", [&] {
     const auto io = io_for(file, Fault::Input);
     require(io->CanReadFile(file.c_str()), "{} is not what its extension says", file.string());
+    require(has_finite_header(file), "{}: its spacing or position is not a finite number",
+            file.filename().string());
     io->SetFileName(file.string());
     io->ReadImageInformation();
     require_scalar_volume(*io, file);
@@ -136,6 +150,8 @@ Image3<float> read_image(const fs::path& file) {
     reader->SetFileName(file.string());
     reader->Update();
     Image3<float> image = from_itk(*reader->GetOutput());
+    during(file.filename().string(),
+           [&] { require_sound_place(image.spacing_mm, image.origin_mm, image.direction); });
     for (const float value : image.voxels) {
       require(std::isfinite(value), "{} holds voxels that are not finite numbers", file.string());
     }

@@ -16,6 +16,7 @@
 #include <itkVectorImage.h>
 
 #include "core/error.hpp"
+#include "io/image_checks.hpp"
 #include "io/image_file.hpp"
 #include "io/slicer_segmentation.hpp"
 
@@ -172,6 +173,7 @@ LabelImage map_names(const fs::path& file, const std::vector<Segment>& segments)
       labels.direction[i][j] = layers.GetDirection()[i][j];
     }
   }
+  require_sound_place(labels.spacing_mm, labels.origin_mm, labels.direction);
   std::map<std::pair<int, int>, unsigned char> meaning;  // layer and value
   for (const Segment& s : segments) {
     require(s.layer >= 0 && s.layer < depth, "segment '{}' lies in layer {}, but the file has {}",

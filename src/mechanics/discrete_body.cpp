@@ -220,8 +220,8 @@ void DiscreteBody::set_scales() {
   for (std::size_t v = 0; v < body_.mesh->points.size(); ++v) {
     mine[3] += layout_.owns(static_cast<int>(v)) ? 1.0 : 0.0;
   }
-  std::array<double, 4> all{};
-  std::ranges::transform(mine, all.begin(), fem::sum);
+  std::array<double, 4> all = mine;
+  fem::sum_each(all);
   const double n = all[3];
   const double h = std::cbrt(all[0] / n);
   const double mu = all[1] / all[0];

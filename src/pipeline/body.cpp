@@ -41,25 +41,30 @@ mechanics::TissuePreset tissue_values(const Parameters& p) {
   return preset;
 }
 
-mechanics::Body make_body(const meshing::BreastModel& model, const Parameters& parameters) {
+mechanics::Element element_of(const Parameters& parameters) {
+  return parameters.text("solver.element") == "p2p1" ? mechanics::Element::P2P1
+                                                     : mechanics::Element::P1P1;
+}
+
+mechanics::Body make_body(const TetMesh& mesh, std::span<const double> fibroglandular,
+                          const Parameters& parameters) {
   const mechanics::TissuePreset values = tissue_values(parameters);
   mechanics::Body body;
-  body.mesh = &model.mesh;
-  body.element = parameters.text("solver.element") == "p2p1" ? mechanics::Element::P2P1
-                                                             : mechanics::Element::P1P1;
-  for (const double fraction : model.fibroglandular) {
+  body.mesh = &mesh;
+  body.element = element_of(parameters);
+  for (const double fraction : fibroglandular) {
     body.tissue.push_back(mechanics::mix(values.adipose, values.fibroglandular, fraction));
   }
   if (parameters.text("skin.enabled") == "yes") {
-    const int skin = boundary_index(model.mesh, "skin");
-    for (const BoundaryFace& face : model.mesh.faces) {
+    const int skin = boundary_index(mesh, "skin");
+    for (const BoundaryFace& face : mesh.faces) {
       if (face.name == skin) {
         body.skin_faces.push_back({face.vertex, 0});
       }
     }
     body.skins = {values.skin};
   }
-  body.fixed.assign(model.mesh.points.size(), 0);
+  body.fixed.assign(mesh.points.size(), 0);
   fix(body, "chest", fixed_xyz);
   fix(body, "superior", fixed_z);
   fix(body, "inferior", fixed_z);

@@ -2,8 +2,9 @@
 // doi:10.1371/journal.pone.0159766).
 #pragma once
 
+#include <span>
+
 #include "mechanics/problem.hpp"
-#include "meshing/breast_mesh.hpp"
 #include "pipeline/parameters.hpp"
 
 namespace sanatrix::pipeline {
@@ -20,9 +21,11 @@ inline Vec3 gravity_captured(bool scan_only) {
 
 /// The tissue preset with the values given for this case.
 mechanics::TissuePreset tissue_values(const Parameters& parameters);
+mechanics::Element element_of(const Parameters& parameters);
 /// Chest fixed, superior and inferior cuts held along the axis, all else free; membrane on the
-/// skin. `model` must outlive the body.
-mechanics::Body make_body(const meshing::BreastModel& model, const Parameters& parameters);
+/// skin. `fibroglandular`: volume fraction per cell. `mesh` must outlive the body.
+mechanics::Body make_body(const TetMesh& mesh, std::span<const double> fibroglandular,
+                          const Parameters& parameters);
 mechanics::SolveOptions solve_options(const Parameters& parameters);
 
 }  // namespace sanatrix::pipeline

@@ -125,7 +125,7 @@ io::PeerModel export_case(const Case& patient, const std::string& pose) {
   }
   const meshing::BreastModel breasts = load_model(patient.stage_folder(Stage::Mesh) / "model.bin");
   const auto unloaded = load_shape(patient.stage_folder(Stage::Unload) / "shape.bin");
-  const mechanics::Body body = make_body(breasts, patient.parameters);
+  const mechanics::Body body = make_body(breasts.mesh, breasts.fibroglandular, patient.parameters);
   io::PeerModel model;
   model.title = fmt::format("{}, stress-free shape, {} gravity, exported by Sanatrix",
                             patient.pseudonym, pose);

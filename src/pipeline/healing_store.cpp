@@ -11,7 +11,20 @@ namespace {
 constexpr std::size_t scalars_per_row = 8;
 
 void put_history(const std::vector<recovery::HistoryRow>& history, Archive& archive) {
-  std::vector<double>& flat = archive.reals["history"];
+  archive.reals["history"] = flatten(history);
+  const std::size_t species = history.empty() ? 0 : history.front().species.mean.size();
+  archive.integers["species"] = {static_cast<std::int64_t>(species)};
+}
+
+std::vector<recovery::HistoryRow> get_history(const Archive& archive) {
+  return history_from(archive.real("history"),
+                      static_cast<std::size_t>(archive.integer("species").at(0)));
+}
+
+}  // namespace
+
+std::vector<double> flatten(const std::vector<recovery::HistoryRow>& history) {
+  std::vector<double> flat;
   for (const recovery::HistoryRow& row : history) {
     const healing::SpeciesRecord& s = row.species;
     flat.insert(flat.end(), {s.t_day, s.eta_healthy_min, s.eta_healthy_max, s.far_field_second,
@@ -20,15 +33,13 @@ void put_history(const std::vector<recovery::HistoryRow>& history, Archive& arch
     flat.insert(flat.end(), s.mean.begin(), s.mean.end());
     flat.insert(flat.end(), s.centre.begin(), s.centre.end());
   }
-  const std::size_t species = history.empty() ? 0 : history.front().species.mean.size();
-  archive.integers["species"] = {static_cast<std::int64_t>(species)};
+  return flat;
 }
 
-std::vector<recovery::HistoryRow> get_history(const Archive& archive) {
-  const std::vector<double>& flat = archive.real("history");
-  const auto species = static_cast<std::ptrdiff_t>(archive.integer("species").at(0));
+std::vector<recovery::HistoryRow> history_from(std::span<const double> numbers,
+                                               std::size_t species) {
   std::vector<recovery::HistoryRow> history;
-  for (auto at = flat.begin(); at != flat.end();) {
+  for (auto at = numbers.begin(); at != numbers.end();) {
     recovery::HistoryRow row;
     row.species.t_day = at[0];
     row.species.eta_healthy_min = at[1];
@@ -39,16 +50,15 @@ std::vector<recovery::HistoryRow> get_history(const Archive& archive) {
     row.wall_displacement_mm = at[6];
     row.min_jacobian = at[7];
     at += scalars_per_row;
-    row.species.mean.assign(at, at + species);
-    at += species;
-    row.species.centre.assign(at, at + species);
-    at += species;
+    const auto count = static_cast<std::ptrdiff_t>(species);
+    row.species.mean.assign(at, at + count);
+    at += count;
+    row.species.centre.assign(at, at + count);
+    at += count;
     history.push_back(std::move(row));
   }
   return history;
 }
-
-}  // namespace
 
 void save_checkpoint(const recovery::Checkpoint& checkpoint, const std::filesystem::path& file) {
   Archive archive;
@@ -103,25 +113,33 @@ std::vector<recovery::HistoryRow> load_history(const std::filesystem::path& file
   return get_history(Archive::load(file));
 }
 
-void save_tissue(const std::vector<mechanics::Tissue>& tissue, const std::filesystem::path& file) {
-  Archive archive;
-  std::vector<double>& flat = archive.reals["tissue"];
+std::vector<double> flatten(const std::vector<mechanics::Tissue>& tissue) {
+  std::vector<double> numbers;
+  numbers.reserve(numbers_per_tissue * tissue.size());
   for (const mechanics::Tissue& t : tissue) {
-    flat.insert(flat.end(),
-                {t.c1, t.c2, t.kappa, t.density, t.integrity, t.active_stress, t.shrinkage});
+    numbers.insert(numbers.end(),
+                   {t.c1, t.c2, t.kappa, t.density, t.integrity, t.active_stress, t.shrinkage});
   }
-  archive.save(file);
+  return numbers;
 }
 
-std::vector<mechanics::Tissue> load_tissue(const std::filesystem::path& file) {
-  const Archive archive = Archive::load(file);
-  const std::vector<double>& flat = archive.real("tissue");
-  std::vector<mechanics::Tissue> tissue(flat.size() / 7);
+std::vector<mechanics::Tissue> tissue_from(std::span<const double> numbers) {
+  std::vector<mechanics::Tissue> tissue(numbers.size() / numbers_per_tissue);
   for (std::size_t i = 0; i < tissue.size(); ++i) {
-    const double* v = flat.data() + 7 * i;
+    const auto v = numbers.subspan(numbers_per_tissue * i, numbers_per_tissue);
     tissue[i] = {v[0], v[1], v[2], v[3], v[4], v[5], v[6]};
   }
   return tissue;
+}
+
+void save_tissue(std::vector<double> numbers, const std::filesystem::path& file) {
+  Archive archive;
+  archive.reals["tissue"] = std::move(numbers);
+  archive.save(file);
+}
+
+std::vector<double> load_tissue(const std::filesystem::path& file) {
+  return Archive::load(file).real("tissue");
 }
 
 }  // namespace sanatrix::pipeline

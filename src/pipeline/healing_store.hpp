@@ -21,11 +21,19 @@ Frame load_frame(const std::filesystem::path& file);
 /// "day_006.000"; sorts by time.
 std::string frame_name(double t_day);
 
+// History as rows of numbers, and its file; `species`: how many the model has.
+std::vector<double> flatten(const std::vector<recovery::HistoryRow>& history);
+std::vector<recovery::HistoryRow> history_from(std::span<const double> numbers,
+                                               std::size_t species);
 void save_history(const std::vector<recovery::HistoryRow>& history,
                   const std::filesystem::path& file);
 std::vector<recovery::HistoryRow> load_history(const std::filesystem::path& file);
 
-void save_tissue(const std::vector<mechanics::Tissue>& tissue, const std::filesystem::path& file);
-std::vector<mechanics::Tissue> load_tissue(const std::filesystem::path& file);
+// Tissue as rows of numbers, and their file.
+inline constexpr int numbers_per_tissue = 7;
+std::vector<double> flatten(const std::vector<mechanics::Tissue>& tissue);
+std::vector<mechanics::Tissue> tissue_from(std::span<const double> numbers);
+void save_tissue(std::vector<double> numbers, const std::filesystem::path& file);
+std::vector<double> load_tissue(const std::filesystem::path& file);
 
 }  // namespace sanatrix::pipeline

@@ -10,6 +10,7 @@
 #include "outcome/outcome.hpp"
 #include "outcome/scan_target.hpp"
 #include "pipeline/artefacts.hpp"
+#include "pipeline/standing_scan.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -121,14 +122,20 @@ ChangeScore change_score(const meshing::BreastModel& model, int side, std::span<
 
 }  // namespace
 
-std::string write_phantom(const phantom::Phantom& p, const phantom::Options& options,
-                          const fs::path& folder) {
+void make_phantom_folder(const fs::path& folder) {
   std::error_code problem;
   fs::create_directories(folder / "truth", problem);
   if (problem) {
     throw Error(Fault::Resource,
-                fmt::format("the phantom's folder cannot be made: {}", problem.message()));
+                fmt::format("{}: the phantom's folder cannot be made: {}",
+                            folder.filename().string(), problem.message()),
+                "give another folder");
   }
+}
+
+std::string write_phantom(const phantom::Phantom& p, const phantom::Options& options,
+                          const fs::path& folder) {
+  make_phantom_folder(folder);
   io::write_labels(p.labels, folder / "labels.nii.gz");
   write_text(folder / "plan.json", p.plan_json);
   const fs::path truth = folder / "truth";
@@ -163,16 +170,24 @@ Score score(const Case& patient, const fs::path& phantom_folder) {
   const auto load = [&](Stage stage, const char* file) {
     return load_shape(patient.stage_folder(stage) / file);
   };
+  // A case from the phantom's scan has its own frame.
+  const Rigid to_case = patient.scan_only() ? load_standing_scan(patient).to_patient : Rigid{};
+  const auto truth_in_case = [&](const std::string& name) {
+    return moved(truth_of(phantom_folder, name), to_case);
+  };
   Score result;
   const auto add = [&](const std::string& name, const std::string& truth,
                        std::span<const Vec3> pose) {
-    result.poses.push_back(
-        pose_score(name, breast_skin(model, pose, 0), truth_of(phantom_folder, truth)));
+    result.poses.push_back(pose_score(name, breast_skin(model, pose, 0), truth_in_case(truth)));
   };
   const SolvedShape unloaded = load(Stage::Unload, "shape.bin");
   const SolvedShape supine = load(Stage::Supine, "shape.bin");
   const SolvedShape before = load(Stage::Upright, "before.bin");
-  add("prone", "prone", model.mesh.points);
+  if (patient.scan_only()) {
+    add("scanned", "upright", model.mesh.points);
+  } else {
+    add("prone", "prone", model.mesh.points);
+  }
   add("unloaded", "unloaded", vertices(model.mesh, unloaded.shape));
   add("supine", "supine", vertices(model.mesh, supine.shape));
   add("upright", "upright", vertices(model.mesh, before.shape));
@@ -180,10 +195,10 @@ Score score(const Case& patient, const fs::path& phantom_folder) {
   if (result.note.empty()) {
     const SolvedShape after = load(Stage::Upright, "after.bin");
     add("upright after surgery", "upright_after", vertices(model.mesh, after.shape));
-    result.change = change_score(
-        model, patient.plan().side == surgery::Side::Left ? 1 : -1,
-        vertices(model.mesh, before.shape), vertices(model.mesh, after.shape),
-        truth_of(phantom_folder, "upright"), truth_of(phantom_folder, "upright_after"));
+    result.change =
+        change_score(model, patient.plan().side == surgery::Side::Left ? 1 : -1,
+                     vertices(model.mesh, before.shape), vertices(model.mesh, after.shape),
+                     truth_in_case("upright"), truth_in_case("upright_after"));
   }
   return result;
 }

@@ -11,6 +11,8 @@
 
 namespace sanatrix::pipeline {
 
+/// Before the work, so that a folder that cannot be made costs no time. Error{Resource}.
+void make_phantom_folder(const std::filesystem::path& folder);
 /// labels.nii.gz, plan.json and truth/. Returns the text of truth/truth.json.
 std::string write_phantom(const phantom::Phantom& phantom, const phantom::Options& options,
                           const std::filesystem::path& folder);

@@ -153,7 +153,7 @@ Mode read_mode(const JsonObject& root) {
 void load_mesh(SolveProblem& problem) {
   const fs::path& file = problem.mesh_file;
   const io::LengthUnit unit = problem.mesh_unit;
-  if (problem.mode == Mode::Healing || fem::ranks() == 1) {
+  if (fem::ranks() == 1) {
     problem.mesh = io::read_msh(file, unit);
     return;
   }

@@ -25,7 +25,7 @@ struct HealingRequest {
 
 struct SolveProblem {
   TetMesh mesh;
-  /// Given on several ranks, except for healing: the mesh is this rank's share.
+  /// Given on several ranks: the mesh is this rank's share.
   std::shared_ptr<const fem::MeshShare> share;
   std::filesystem::path mesh_file;
   io::LengthUnit mesh_unit = io::LengthUnit::Metre;
@@ -37,8 +37,7 @@ struct SolveProblem {
 
 /// Strict: unknown keys, unknown region and boundary names (listing the existing ones), regions
 /// without a law and values out of range are Error{Input}. A relative mesh path is relative to the
-/// problem's file. Collective: rank 0 reads the mesh and PETSc distributes it; only for healing
-/// does every rank keep the whole.
+/// problem's file. Collective: rank 0 reads the mesh and PETSc distributes it.
 SolveProblem read_problem(const std::filesystem::path& file);
 
 }  // namespace sanatrix::pipeline

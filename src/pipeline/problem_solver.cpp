@@ -9,6 +9,7 @@
 #include "core/error.hpp"
 #include "core/files.hpp"
 #include "fem/session.hpp"
+#include "fem/transfer.hpp"
 #include "io/mesh_file.hpp"
 #include "pipeline/artefacts.hpp"
 
@@ -37,24 +38,13 @@ struct Solution {
   std::optional<recovery::Result> recovery;
 };
 
-bool counts_vertex(const SolveProblem& p, std::size_t v) {
-  return p.share == nullptr || p.share->owns_vertex(static_cast<int>(v));
-}
-bool counts_cell(const SolveProblem& p, std::size_t c) {
-  return p.share == nullptr || p.share->owns_cell(static_cast<int>(c));
-}
-/// Of what every rank counted; where every rank has the whole mesh, each has counted all.
-double sum(const SolveProblem& p, double mine) {
-  return p.share == nullptr ? mine : fem::sum(mine);
-}
-
 double total_volume(const SolveProblem& p, std::span<const Vec3> points) {
   const std::vector<double> volumes = cell_volumes(p.mesh, points);
   double mine = 0.0;
   for (std::size_t c = 0; c < volumes.size(); ++c) {
-    mine += counts_cell(p, c) ? volumes[c] : 0.0;
+    mine += fem::owns_cell(p.share.get(), c) ? volumes[c] : 0.0;
   }
-  return sum(p, mine);
+  return fem::sum(p.share.get(), mine);
 }
 
 Solution solve_healing(const SolveProblem& p, mechanics::Solver& solver,
@@ -87,7 +77,8 @@ Solution solve_healing(const SolveProblem& p, mechanics::Solver& solver,
   for (const recovery::HistoryRow& row : s.recovery->history) {
     s.report.min_jacobian = std::min(s.report.min_jacobian, row.min_jacobian);
   }
-  s.report.min_jacobian = std::min(s.report.min_jacobian, std::ranges::min(s.jacobian));
+  s.report.min_jacobian =
+      std::min(s.report.min_jacobian, -fem::largest(p.share.get(), -std::ranges::min(s.jacobian)));
   return s;
 }
 
@@ -143,7 +134,7 @@ void write_pieces(const SolveProblem& p, const io::Fields& fields, const fs::pat
     field.values.clear();
   }
   for (std::size_t c = 0; c < p.mesh.cells.size(); ++c) {
-    if (counts_cell(p, c)) {
+    if (fem::owns_cell(p.share.get(), c)) {
       piece.cells.push_back(p.mesh.cells[c]);
       for (std::size_t f = 0; f < values.cell.size(); ++f) {
         values.cell[f].values.push_back(fields.cell[f].values[c]);
@@ -161,28 +152,6 @@ void write_pieces(const SolveProblem& p, const io::Fields& fields, const fs::pat
   }
 }
 
-/// The values of all ranks in the order of the whole mesh; empty but on rank 0.
-std::vector<double> gathered(const SolveProblem& p, const io::Field& field, bool per_point) {
-  const std::vector<int>& number = per_point ? p.share->vertex() : p.share->cell();
-  const auto width = static_cast<std::size_t>(field.components);
-  std::vector<double> mine;
-  for (std::size_t i = 0; i < number.size(); ++i) {
-    if (per_point ? counts_vertex(p, i) : counts_cell(p, i)) {
-      mine.push_back(number[i]);
-      mine.insert(mine.end(), field.values.begin() + static_cast<std::ptrdiff_t>(width * i),
-                  field.values.begin() + static_cast<std::ptrdiff_t>(width * (i + 1)));
-    }
-  }
-  const std::vector<double> all = fem::gather(mine);
-  std::vector<double> values(width * all.size() / (width + 1));
-  for (std::size_t at = 0; at < all.size(); at += width + 1) {
-    std::copy_n(
-        all.begin() + static_cast<std::ptrdiff_t>(at + 1), width,
-        values.begin() + static_cast<std::ptrdiff_t>(width) * static_cast<std::ptrdiff_t>(all[at]));
-  }
-  return values;
-}
-
 /// Up to this many vertices rank 0 also writes one file in the order of the mesh as given.
 constexpr int one_file = 500000;
 
@@ -198,11 +167,13 @@ void write_fields(const SolveProblem& p, const Solution& s, const fs::path& out)
   if (p.share->whole_vertices() > one_file) {
     return;
   }
+  const fem::Transfer points = fem::vertex_transfer(*p.share);
+  const fem::Transfer cells = fem::cell_transfer(*p.share);
   for (io::Field& field : fields.point) {
-    field.values = gathered(p, field, true);
+    field.values = points.to_leader(field.values, field.components);
   }
   for (io::Field& field : fields.cell) {
-    field.values = gathered(p, field, false);
+    field.values = cells.to_leader(field.values, field.components);
   }
   if (fem::rank() == 0) {
     const TetMesh whole = io::read_msh(p.mesh_file, p.mesh_unit);
@@ -217,25 +188,23 @@ Vec3 volume_mean_mm(const SolveProblem& p, std::span<const Vec3> moved) {
   Vec3 mean{};
   for (std::size_t c = 0; c < volumes.size(); ++c) {
     for (const int v : p.mesh.cells[c]) {
-      mean += counts_cell(p, c) ? 0.25e3 * volumes[c] * moved[static_cast<std::size_t>(v)] : Vec3{};
+      mean += fem::owns_cell(p.share.get(), c)
+                  ? 0.25e3 * volumes[c] * moved[static_cast<std::size_t>(v)]
+                  : Vec3{};
     }
   }
   const double volume = total_volume(p, p.mesh.points);
-  std::ranges::transform(mean, mean.begin(), [&](double m) { return sum(p, m) / volume; });
+  std::ranges::transform(mean, mean.begin(),
+                         [&](double m) { return fem::sum(p.share.get(), m) / volume; });
   return mean;
 }
 
-/// How the mesh lies on the ranks: what a model of the cost of more ranks is made from.
-json distribution_json(const SolveProblem& p) {
-  double own = 0.0;
-  for (std::size_t v = 0; v < p.mesh.points.size(); ++v) {
-    own += counts_vertex(p, v) ? 1.0 : 0.0;
-  }
-  const double ghosts = static_cast<double>(p.mesh.points.size()) - own;
+json distribution_json(const fem::MeshShare& share) {
+  const fem::ShareSizes sizes = fem::sizes(share);
   return {{"ranks", fem::ranks()},
-          {"most_own_vertices", fem::largest(own)},
-          {"most_ghost_vertices", fem::largest(ghosts)},
-          {"mean_ghost_vertices", fem::sum(ghosts) / fem::ranks()}};
+          {"most_own_vertices", sizes.most_own_vertices},
+          {"most_ghost_vertices", sizes.most_ghost_vertices},
+          {"mean_ghost_vertices", sizes.mean_ghost_vertices}};
 }
 
 json result_json(const SolveProblem& p, const Solution& s) {
@@ -245,17 +214,17 @@ json result_json(const SolveProblem& p, const Solution& s) {
   double largest = 0.0;
   Vec3 mean{};
   for (std::size_t v = 0; v < moved.size(); ++v) {
-    if (counts_vertex(p, v)) {
+    if (fem::owns_vertex(p.share.get(), v)) {
       largest = std::max(largest, norm(moved[v]));
       mean += (1e3 / count) * moved[v];
     }
   }
   largest = fem::largest(largest);
-  std::ranges::transform(mean, mean.begin(), [&](double m) { return sum(p, m); });
+  std::ranges::transform(mean, mean.begin(), [&](double m) { return fem::sum(p.share.get(), m); });
   json probes = json::object();
   for (const auto& [name, vertex] : p.mesh.named_points) {
     Vec3 u = vertex >= 0 ? 1e3 * moved[static_cast<std::size_t>(vertex)] : Vec3{};
-    std::ranges::transform(u, u.begin(), [&](double c) { return sum(p, c); });
+    std::ranges::transform(u, u.begin(), [&](double c) { return fem::sum(p.share.get(), c); });
     probes[name] = u;
   }
   json j{{"converged", true},
@@ -274,7 +243,7 @@ json result_json(const SolveProblem& p, const Solution& s) {
           {{"vertices", p.share ? p.share->whole_vertices() : static_cast<int>(moved.size())},
            {"cells", p.share ? p.share->whole_cells() : static_cast<int>(p.mesh.cells.size())}}}};
   if (p.share) {
-    j["distribution"] = distribution_json(p);
+    j["distribution"] = distribution_json(*p.share);
   }
   if (s.recovery) {
     j["wound_volume_ratio_final"] = s.recovery->history.back().volume_ratio;

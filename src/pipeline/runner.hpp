@@ -16,7 +16,7 @@ namespace sanatrix::pipeline {
 struct StageInput {
   const Case& patient;
   std::filesystem::path out;
-  bool writes;  ///< only rank 0 writes
+  bool writes;  ///< on rank 0 only, which also reads what belongs to the whole mesh
   bool anew;    ///< the user asked for it: nothing of an older result may be used
   Context ctx;
 

@@ -1,11 +1,14 @@
 // Step H: three months of healing on the operating table's pose, with checkpoints.
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "core/files.hpp"
+#include "fem/session.hpp"
 #include "pipeline/artefacts.hpp"
 #include "pipeline/body.hpp"
 #include "pipeline/healing_store.hpp"
+#include "pipeline/model_share.hpp"
 #include "pipeline/stages.hpp"
 
 namespace sanatrix::pipeline {
@@ -13,30 +16,68 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The checkpoint of the whole, on rank 0, from what every rank has of it.
+recovery::Checkpoint collected(const ModelShare& model, recovery::Checkpoint mine, int species) {
+  mine.species = model.collect_vertices(std::move(mine.species), species);
+  mine.shape = model.collect(mine.shape);
+  if (!mine.earlier.nodes.empty()) {
+    mine.earlier = model.collect(mine.earlier);
+  }
+  return mine;
+}
+
+/// What rank 0 finds on disk, on every rank for its share.
+std::optional<recovery::Checkpoint> found_checkpoint(const StageInput& in, const ModelShare& model,
+                                                     int species) {
+  const fs::path file = in.out / "checkpoint.bin";
+  const bool here = in.writes && fs::exists(file);
+  if (fem::largest(here ? 1.0 : 0.0) == 0.0) {
+    return std::nullopt;
+  }
+  recovery::Checkpoint c = here ? load_checkpoint(file) : recovery::Checkpoint{};
+  std::vector<double> numbers{c.t_s, c.wound_volume_m3, c.earlier_density,
+                              c.earlier.nodes.empty() ? 0.0 : 1.0};
+  std::ranges::copy(flatten(c.history), std::back_inserter(numbers));
+  fem::broadcast(numbers);
+  c.t_s = numbers[0];
+  c.wound_volume_m3 = numbers[1];
+  c.earlier_density = numbers[2];
+  c.history = history_from(std::span(numbers).subspan(4), static_cast<std::size_t>(species));
+  c.species = model.distribute_vertices(std::move(c.species), species);
+  c.shape = model.distribute(c.shape);
+  if (numbers[3] != 0.0) {
+    c.earlier = model.distribute(c.earlier);
+  }
+  return c;
+}
+
 /// Writes frames and checkpoints; a frame comes before its checkpoint, so that a resumed run has
-/// every frame.
+/// every frame. Collective.
 class Keeper {
  public:
-  Keeper(const StageInput& in, const meshing::BreastModel& model, const healing::Model& biology,
-         const std::vector<double>& wound_fraction, std::vector<Vec3> start)
-      : in_(in),
-        model_(model),
-        biology_(biology),
-        wound_(wound_fraction),
-        start_(std::move(start)) {}
+  /// wound_fraction, start: of the whole mesh, on rank 0.
+  Keeper(const StageInput& in, const ModelShare& model, const healing::Model& biology,
+         const std::vector<double>& wound_fraction, std::span<const Vec3> start)
+      : in_(in), model_(model), biology_(biology), wound_(wound_fraction), start_(start) {}
 
   void observe(double t_day, std::span<const double> species, const mechanics::Shape& shape) {
+    const std::vector<double> all =
+        model_.collect_vertices({species.begin(), species.end()}, species_count());
+    const mechanics::Shape whole = model_.collect(shape);
     if (in_.writes) {
-      write_frame(t_day, species, vertices(model_.mesh, shape));
+      write_frame(t_day, all, vertices(model_.whole().mesh, whole));
     }
   }
   void save(const recovery::Checkpoint& checkpoint) {
+    const recovery::Checkpoint whole = collected(model_, checkpoint, species_count());
     if (in_.writes) {
-      save_checkpoint(checkpoint, in_.out / "checkpoint.bin");
+      save_checkpoint(whole, in_.out / "checkpoint.bin");
     }
   }
 
  private:
+  [[nodiscard]] int species_count() const { return static_cast<int>(biology_.species().size()); }
+
   void write_frame(double t_day, std::span<const double> species, std::span<const Vec3> pose) {
     const std::size_t n = biology_.species().size();
     io::Fields fields;
@@ -51,17 +92,17 @@ class Keeper {
     fields.cell.push_back(io::scalar_field("wound_fraction", wound_));
     const fs::path frames = in_.out / "frames";
     fs::create_directories(frames);
-    io::write_vtu(model_.mesh, pose, fields, frames / (frame_name(t_day) + ".vtu"),
+    io::write_vtu(model_.whole().mesh, pose, fields, frames / (frame_name(t_day) + ".vtu"),
                   io::LengthUnit::Millimetre);
     save_frame({t_day, {species.begin(), species.end()}, {pose.begin(), pose.end()}},
                frames / (frame_name(t_day) + ".bin"));
   }
 
   const StageInput& in_;
-  const meshing::BreastModel& model_;
+  const ModelShare& model_;
   const healing::Model& biology_;
   const std::vector<double>& wound_;
-  std::vector<Vec3> start_;
+  std::span<const Vec3> start_;
 };
 
 void write_series(const fs::path& folder) {
@@ -76,10 +117,15 @@ void write_series(const fs::path& folder) {
   io::write_pvd(steps, folder / "healing.pvd");
 }
 
-void write_results(const StageInput& in, const recovery::Result& result,
+void write_results(const StageInput& in, const ModelShare& model, const recovery::Result& result,
                    const healing::Model& biology, double min_jacobian) {
-  save_shape({result.healed, min_jacobian}, in.out / "shape.bin");
-  save_tissue(result.tissue, in.out / "tissue.bin");
+  const mechanics::Shape healed = model.collect(result.healed);
+  std::vector<double> tissue = model.collect_cells(flatten(result.tissue), numbers_per_tissue);
+  if (!in.writes) {
+    return;
+  }
+  save_shape({healed, min_jacobian}, in.out / "shape.bin");
+  save_tissue(std::move(tissue), in.out / "tissue.bin");
   save_history(result.history, in.out / "history.bin");
   write_text(in.out / "history.csv", recovery::history_csv(result.history, biology));
   write_series(in.out);
@@ -106,25 +152,26 @@ recovery::Problem make_problem(const Parameters& p, const mechanics::Body& body,
 
 StageNotes run_heal(const StageInput& in) {
   const Parameters& p = in.parameters();
-  const meshing::BreastModel model = load_model(in.from(Stage::Mesh) / "model.bin");
-  const mechanics::Shape unloaded = load_shape(in.from(Stage::Unload) / "shape.bin").shape;
-  const mechanics::Shape supine = load_shape(in.from(Stage::Supine) / "shape.bin").shape;
-  const surgery::Wound wound = load_wound(in.from(Stage::Surgery) / "wound.bin");
-  const mechanics::Body body = make_body(model, p);
+  const ModelShare model(in);
+  const mechanics::Body& body = model.body();
   const auto biology = healing::make_model(p.text("heal.preset"), p.list("heal.overrides"));
-  const std::span<const Vec3> supine_points = vertices(model.mesh, supine);
+  const mechanics::Shape before = whole_shape(in, Stage::Supine);
+  const std::vector<double> wound_fraction =
+      in.writes ? load_wound(in.from(Stage::Surgery) / "wound.bin").fraction
+                : std::vector<double>{};
+  const mechanics::Shape unloaded = model.distribute(whole_shape(in, Stage::Unload));
+  const mechanics::Shape supine = model.distribute(before);
 
   recovery::Problem problem = make_problem(p, body, *biology);
   problem.reference_nodes = unloaded.nodes;
   problem.start = supine;
-  problem.species_points = supine_points;
-  problem.wound_fraction = wound.fraction;
-  std::optional<recovery::Checkpoint> resume;
-  if (fs::exists(in.out / "checkpoint.bin")) {
-    resume = load_checkpoint(in.out / "checkpoint.bin");
+  problem.species_points = vertices(*body.mesh, supine);
+  problem.wound_fraction = model.distribute_cells(wound_fraction, 1);
+  const auto resume = found_checkpoint(in, model, static_cast<int>(biology->species().size()));
+  if (resume) {
     in.ctx.at(0.0, "resuming from a checkpoint");
   }
-  Keeper keeper(in, model, *biology, wound.fraction, {supine_points.begin(), supine_points.end()});
+  Keeper keeper(in, model, *biology, wound_fraction, vertices(model.whole().mesh, before));
   const recovery::Result result = recovery::heal(
       problem, resume, [&](const recovery::Checkpoint& c) { keeper.save(c); },
       [&](double t_day, std::span<const double> species, const mechanics::Shape& shape) {
@@ -136,9 +183,7 @@ StageNotes run_heal(const StageInput& in) {
   for (const recovery::HistoryRow& row : result.history) {
     min_jacobian = std::min(min_jacobian, row.min_jacobian);
   }
-  if (in.writes) {
-    write_results(in, result, *biology, min_jacobian);
-  }
+  write_results(in, model, result, *biology, min_jacobian);
   StageNotes notes;
   notes.numbers = {{"wound_volume_ratio", result.history.back().volume_ratio},
                    {"min_jacobian", min_jacobian},
@@ -147,6 +192,7 @@ StageNotes run_heal(const StageInput& in) {
                    {"factorisations", result.totals.factorisations},
                    {"seconds_species", result.seconds_species},
                    {"seconds_mechanics", result.seconds_mechanics}};
+  std::ranges::copy(model.numbers(), std::back_inserter(notes.numbers));
   return notes;
 }
 

@@ -1,29 +1,39 @@
 // Step J: the standing patient before surgery and with the healed tissue.
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "core/archive.hpp"
+#include "fem/session.hpp"
 #include "pipeline/artefacts.hpp"
 #include "pipeline/body.hpp"
 #include "pipeline/healing_store.hpp"
+#include "pipeline/model_share.hpp"
 #include "pipeline/stages.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
 
-/// The pose before surgery from the last good result, if nothing changed that it depends on.
-std::optional<SolvedShape> kept_before(const StageInput& in, const std::string& key) {
-  const std::filesystem::path folder = in.from(Stage::Upright);
+/// Was the last good result's pose before surgery made from what it would be made from now?
+bool is_kept(const std::filesystem::path& folder, const std::string& key) {
   if (!std::filesystem::exists(folder / "before_key.bin") ||
       !std::filesystem::exists(folder / "before.bin")) {
-    return std::nullopt;
+    return false;
   }
   const Archive archive = Archive::load(folder / "before_key.bin");
-  if (const auto entry = archive.texts.find("key");
-      entry == archive.texts.end() || entry->second != key) {
+  const auto entry = archive.texts.find("key");
+  return entry != archive.texts.end() && entry->second == key;
+}
+
+/// The pose before surgery from the last good result, if nothing changed that it depends on; rank 0
+/// decides and alone reads it. Collective.
+std::optional<SolvedShape> kept_before(const StageInput& in, const std::string& key) {
+  const std::filesystem::path folder = in.from(Stage::Upright);
+  const bool kept = in.writes && !in.anew && is_kept(folder, key);
+  if (fem::largest(kept ? 1.0 : 0.0) == 0.0) {
     return std::nullopt;
   }
-  return load_shape(folder / "before.bin");
+  return in.writes ? load_shape(folder / "before.bin") : SolvedShape{};
 }
 
 void write_before(const StageInput& in, const meshing::BreastModel& model,
@@ -62,37 +72,40 @@ std::string upright_before_key(const Case& patient) {
 }
 
 StageNotes run_upright(const StageInput& in) {
-  const meshing::BreastModel model = load_model(in.from(Stage::Mesh) / "model.bin");
-  const mechanics::Shape unloaded = load_shape(in.from(Stage::Unload) / "shape.bin").shape;
-  const mechanics::Body body = make_body(model, in.parameters());
-  mechanics::Solver solver(body, solve_options(in.parameters()));
+  const ModelShare model(in);
+  const mechanics::Shape unloaded = whole_shape(in, Stage::Unload);
+  const std::vector<Vec3> at_rest = model.distribute(unloaded).nodes;
+  mechanics::Solver solver(model.body(), solve_options(in.parameters()));
   StageNotes notes;
-  std::optional<SolvedShape> before;
-  if (!in.anew) {
-    before = kept_before(in, upright_before_key(in.patient));
-  }
-  if (!before) {
-    const Context part = in.ctx.part(0.0, 0.6);
-    before = {solver.forward(unloaded.nodes, gravity_upright, nullptr, part),
-              solver.last_report().min_jacobian};
+  SolvedShape before;
+  mechanics::Shape mine;
+  if (const auto kept = kept_before(in, upright_before_key(in.patient))) {
+    before = *kept;
+    mine = model.distribute(before.shape);
+  } else {
+    mine = solver.forward(at_rest, gravity_upright, nullptr, in.ctx.part(0.0, 0.6));
+    before = {model.collect(mine), solver.last_report().min_jacobian};
     add_counts(notes, "before", solver.last_report());
   }
-  notes.numbers.emplace_back("min_jacobian_before", before->min_jacobian);
-  notes.numbers.emplace_back("mean_move_mm",
-                             mean_move_mm(model.mesh, vertices(model.mesh, unloaded),
-                                          vertices(model.mesh, before->shape)));
+  notes.numbers.emplace_back("min_jacobian_before", before.min_jacobian);
   if (in.writes) {
-    write_before(in, model, *before, vertices(model.mesh, unloaded));
+    const std::span<const Vec3> from = vertices(model.whole().mesh, unloaded);
+    notes.numbers.emplace_back(
+        "mean_move_mm",
+        mean_move_mm(model.whole().mesh, from, vertices(model.whole().mesh, before.shape)));
+    write_before(in, model.whole(), before, from);
   }
+  std::ranges::copy(model.numbers(), std::back_inserter(notes.numbers));
   if (!in.patient.has_plan()) {
     return notes;
   }
-  solver.set_tissue(load_tissue(in.from(Stage::Heal) / "tissue.bin"));
-  const Context part = in.ctx.part(0.6, 1.0);
-  SolvedShape after{solver.forward(unloaded.nodes, gravity_upright, &before->shape, part)};
-  after.min_jacobian = solver.last_report().min_jacobian;
+  solver.set_tissue(tissue_from(model.distribute_cells(
+      in.writes ? load_tissue(in.from(Stage::Heal) / "tissue.bin") : std::vector<double>{},
+      numbers_per_tissue)));
+  mine = solver.forward(at_rest, gravity_upright, &mine, in.ctx.part(0.6, 1.0));
+  const SolvedShape after{model.collect(mine), solver.last_report().min_jacobian};
   if (in.writes) {
-    write_after(in, model, after, *before);
+    write_after(in, model.whole(), after, before);
   }
   add_counts(notes, "after", solver.last_report());
   notes.numbers.emplace_back("min_jacobian_after", after.min_jacobian);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "fem/mesh_share.hpp"
 #include "recovery/wound_shape.hpp"
 
 namespace sanatrix::recovery {
@@ -15,6 +16,8 @@ constexpr double day_s = 86400.0;
 /// Species do not feel the shape, so that no error of a shape on the way reaches the end. This much
 /// of the load, unbalanced, moves nothing by a micrometre; it saves a third of the Newton steps.
 constexpr double tolerance_on_the_way = 1e-5;
+/// Of day 0, whose volume is the measure of all later ones, and of the end, which stays.
+constexpr double tolerance_of_results = mechanics::SolveOptions{}.relative_tolerance;
 
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -32,11 +35,13 @@ class Recovery {
         save_(save),
         observe_(observe),
         mesh_(*problem.body->mesh),
+        share_(problem.body->share),
         species_(mesh_, problem.species_points, problem.wound_fraction, *problem.model,
-                 problem.species_options),
+                 problem.species_options, share_),
         solver_(*problem.body),
         wound_(mesh_, problem.wound_fraction, problem.reference_nodes.first(mesh_.points.size()),
-               problem.body->tissue) {
+               problem.body->tissue, share_),
+        has_skin_(fem::largest(share_, problem.body->skin_faces.empty() ? 0.0 : 1.0) > 0.0) {
     result_.totals.min_jacobian = 1.0;
   }
 
@@ -63,9 +68,11 @@ class Recovery {
   const Save& save_;
   const Observe& observe_;
   const TetMesh& mesh_;
+  const fem::MeshShare* share_;
   healing::ReactionDiffusion species_;
   mechanics::Solver solver_;
   WoundShape wound_;
+  bool has_skin_;
   mechanics::Shape shape_, earlier_;  ///< after the last mechanics step, and after the one before
   double earlier_density_ = 0.0;
   double volume0_ = 0.0;
@@ -127,7 +134,7 @@ Measured Recovery::measure(double eta_mean) const {
   const auto before = vertices(problem_.start);
   const auto after = vertices(shape_);
   const std::vector<double> J = solver_.jacobians(problem_.reference_nodes, shape_.nodes);
-  m.min_jacobian = *std::ranges::min_element(J);
+  m.min_jacobian = -fem::largest(share_, -*std::ranges::min_element(J));
   m.volume_ratio = wound_.volume(J, shape_.pressure) / volume0_;
   m.wall_displacement_mm = 1e3 * wound_.mean_inward_displacement(before, after);
   const auto consider = [&](std::size_t v) {
@@ -138,11 +145,10 @@ Measured Recovery::measure(double eta_mean) const {
       consider(static_cast<std::size_t>(v));
     }
   }
-  if (problem_.body->skin_faces.empty()) {
-    for (std::size_t v = 0; v < before.size(); ++v) {
-      consider(v);
-    }
+  for (std::size_t v = 0; v < before.size() && !has_skin_; ++v) {
+    consider(v);
   }
+  m.max_displacement_mm = fem::largest(share_, m.max_displacement_mm);
   return m;
 }
 
@@ -151,7 +157,7 @@ Measured Recovery::measure(double eta_mean) const {
 void Recovery::operate(const Context& ctx) {
   const healing::SpeciesRecord species = record_species();
   during("mechanics at day 0",
-         [&] { solve_mechanics(false, species.mean[0], tolerance_on_the_way, ctx); });
+         [&] { solve_mechanics(false, species.mean[0], tolerance_of_results, ctx); });
   volume0_ =
       wound_.volume(solver_.jacobians(problem_.reference_nodes, shape_.nodes), shape_.pressure);
   last_ = measure(species.mean[0]);
@@ -202,8 +208,7 @@ void Recovery::step_to(double t_day, const Context& ctx) {
   const bool last = t_day >= problem_.schedule.days;
   during(fmt::format("mechanics at day {:g}", t_day), [&] {
     solve_mechanics(true, records.back().mean[0],
-                    last ? mechanics::SolveOptions{}.relative_tolerance : tolerance_on_the_way,
-                    ctx.part(0.5, 1.0));
+                    last ? tolerance_of_results : tolerance_on_the_way, ctx.part(0.5, 1.0));
   });
   const Measured next = measure(records.back().mean[0]);
   for (const healing::SpeciesRecord& r : records) {
@@ -257,7 +262,8 @@ Result Recovery::run(const std::optional<Checkpoint>& resume, const Context& ctx
 Result heal(const Problem& problem, const std::optional<Checkpoint>& resume, const Save& save,
             const Observe& observe, const Context& ctx) {
   ensure(problem.body != nullptr && problem.model != nullptr, "healing without a body or a model");
-  const double wounded = *std::ranges::max_element(problem.wound_fraction);
+  const double wounded =
+      fem::largest(problem.body->share, *std::ranges::max_element(problem.wound_fraction));
   require(wounded > 0.0, "the wound is empty: no cell lies in the resection");
   return Recovery(problem, save, observe).run(resume, ctx);
 }

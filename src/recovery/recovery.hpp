@@ -58,6 +58,8 @@ std::vector<mechanics::Tissue> healing_tissue(std::span<const mechanics::Tissue>
                                               std::span<const double> cell_density,
                                               const healing::WoundMechanics& wound);
 
+/// On several ranks the body may be this rank's share of a larger one, and so is all that is given
+/// and returned per node, vertex or cell; numbers of the history are of the whole, on every rank.
 struct Problem {
   const mechanics::Body* body = nullptr;  ///< with healthy tissue
   std::span<const Vec3> reference_nodes;  ///< stress-free shape

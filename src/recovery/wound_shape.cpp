@@ -4,21 +4,37 @@
 
 namespace sanatrix::recovery {
 
+namespace {
+
+/// Of a face's vertices the first in the whole mesh decides. Its owner knows all cells around it
+/// and therefore which faces are wall; others may take the rim of their share for one.
+bool owns_face(const fem::MeshShare* share, const std::array<int, 3>& face) {
+  if (share == nullptr) {
+    return true;
+  }
+  return share->owns_vertex(*std::ranges::min_element(
+      face, {}, [&](int v) { return share->vertex()[static_cast<std::size_t>(v)]; }));
+}
+
+}  // namespace
+
 WoundShape::WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction,
                        std::span<const Vec3> reference_points,
-                       std::span<const mechanics::Tissue> healthy)
-    : mesh_(&mesh), volumes_(cell_volumes(mesh, reference_points)) {
+                       std::span<const mechanics::Tissue> healthy, const fem::MeshShare* share)
+    : mesh_(&mesh), share_(share), volumes_(cell_volumes(mesh, reference_points)) {
   // The boundary of the sub-mesh of wound cells: faces that only one of them has.
   TetMesh wound;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     if (wound_fraction[c] >= 0.5) {
       wound.cells.push_back(mesh.cells[c]);
     }
+    volumes_[c] = fem::owns_cell(share, c) ? volumes_[c] : 0.0;
     at_rest_ += wound_fraction[c] * volumes_[c];
     compliance_.push_back((1.0 - wound_fraction[c]) * volumes_[c] / healthy[c].kappa);
   }
   wound.points = mesh.points;
   wall_ = boundary_of(wound);
+  std::erase_if(wall_, [&](const std::array<int, 3>& face) { return !owns_face(share, face); });
 }
 
 double WoundShape::volume(std::span<const double> jacobians,
@@ -32,13 +48,13 @@ double WoundShape::volume(std::span<const double> jacobians,
       }
     }
   }
-  return std::max(sum, 0.0);
+  return std::max(fem::sum(share_, sum), 0.0);
 }
 
 double WoundShape::mean_inward_displacement(std::span<const Vec3> before,
                                             std::span<const Vec3> after) const {
-  double moved = 0.0;
-  double area = 0.0;
+  std::array<double, 2> sums{};
+  auto& [moved, area] = sums;
   for (const auto& face : wall_) {
     const auto a = static_cast<std::size_t>(face[0]);
     const auto b = static_cast<std::size_t>(face[1]);
@@ -49,6 +65,7 @@ double WoundShape::mean_inward_displacement(std::span<const Vec3> before,
     moved -= dot(mean, normal);
     area += norm(normal);
   }
+  fem::sum_each(share_, sums);
   return area > 0.0 ? moved / area : 0.0;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "fem/mesh_share.hpp"
 #include "geometry/tet_mesh.hpp"
 #include "mechanics/material.hpp"
 
@@ -13,9 +14,11 @@ namespace sanatrix::recovery {
 class WoundShape {
  public:
   /// wound_fraction per cell, 0..1; the wall separates cells at or above one half from the others.
-  /// `healthy` is the tissue of every cell before surgery.
+  /// `healthy` is the tissue of every cell before surgery. share: the mesh is this process's share
+  /// of a larger; all that is measured is then of the whole, the same on every process, collective.
   WoundShape(const TetMesh& mesh, std::span<const double> wound_fraction,
-             std::span<const Vec3> reference_points, std::span<const mechanics::Tissue> healthy);
+             std::span<const Vec3> reference_points, std::span<const mechanics::Tissue> healthy,
+             const fem::MeshShare* share = nullptr);
   /// Volume of the wounded share [m3] from det F per cell and pressure per vertex [Pa] (empty:
   /// zero). Elements with a pressure field conserve volume in the mean, not cell by cell: healthy
   /// cells at the wall lose what the wound should. The body's change of volume, less what healthy
@@ -28,10 +31,11 @@ class WoundShape {
 
  private:
   const TetMesh* mesh_;
+  const fem::MeshShare* share_;
   double at_rest_ = 0.0;                  ///< wounded share of the reference volume [m3]
-  std::vector<double> volumes_;           ///< of every cell, reference [m3]
+  std::vector<double> volumes_;           ///< of every cell, reference [m3]; others' cells: zero
   std::vector<double> compliance_;        ///< of its healthy share [m3/Pa]
-  std::vector<std::array<int, 3>> wall_;  ///< oriented out of the wound
+  std::vector<std::array<int, 3>> wall_;  ///< oriented out of the wound; others' faces left out
 };
 
 }  // namespace sanatrix::recovery

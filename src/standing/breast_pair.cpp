@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace sanatrix::standing {
 namespace {
@@ -138,9 +139,9 @@ Vec3 tip_of(const FrontMap& front, const ColumnMap& prominence, const Peak& peak
 
 }  // namespace
 
-std::optional<BreastPair> find_pair(const FrontMap& front, const ColumnMap& prominence) {
+std::vector<BreastPair> find_pairs(const FrontMap& front, const ColumnMap& prominence) {
   const std::vector<Peak> peaks = find_peaks(front, prominence);
-  std::optional<BreastPair> best;
+  std::vector<BreastPair> pairs;
   for (std::size_t m = 0; m < peaks.size(); ++m) {
     for (std::size_t n = m + 1; n < peaks.size(); ++n) {
       std::array<Peak, 2> two{peaks[m], peaks[n]};
@@ -156,20 +157,28 @@ std::optional<BreastPair> find_pair(const FrontMap& front, const ColumnMap& prom
       const double unusual = (apart - usual_mm) / usual_spread_mm;
       const double small = std::min(two[0].volume, two[1].volume);
       const double large = std::max(two[0].volume, two[1].volume);
-      const double score =
-          small * small / large *
-          std::exp(-asymmetry(front, a, b) / mirror_scale_mm - 0.5 * unusual * unusual);
-      if (!best || score > best->score) {
-        const double nx = -(b[2] - a[2]) / apart, nz = (b[0] - a[0]) / apart;
-        best = BreastPair{
-            {a, b},
-            score,
-            steepness(front.skin_y, two[0], -nx, -nz) + steepness(front.skin_y, two[1], -nx, -nz) -
-                steepness(front.skin_y, two[0], nx, nz) - steepness(front.skin_y, two[1], nx, nz)};
-      }
+      const double nx = -(b[2] - a[2]) / apart, nz = (b[0] - a[0]) / apart;
+      pairs.push_back(
+          {{a, b},
+           small * small / large *
+               std::exp(-asymmetry(front, a, b) / mirror_scale_mm - 0.5 * unusual * unusual),
+           steepness(front.skin_y, two[0], -nx, -nz) + steepness(front.skin_y, two[1], -nx, -nz) -
+               steepness(front.skin_y, two[0], nx, nz) - steepness(front.skin_y, two[1], nx, nz)});
     }
   }
-  return best;
+  std::ranges::stable_sort(pairs, std::greater{}, &BreastPair::score);
+  return pairs;
+}
+
+std::optional<BreastPair> find_level_pair(const FrontMap& front, const ColumnMap& prominence) {
+  constexpr double most_slope = 0.4;  // a breast and an arm are no pair
+  for (const BreastPair& pair : find_pairs(front, prominence)) {
+    const Vec3 along = pair.tip_mm[1] - pair.tip_mm[0];
+    if (std::abs(along[2]) < most_slope * along[0]) {
+      return pair;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace sanatrix::standing

@@ -20,7 +20,10 @@ struct BreastPair {
   double upper_pole = 0.0;
 };
 
-/// The best pair on the front as it is held now, in any turn about y; nothing when there is none.
-std::optional<BreastPair> find_pair(const FrontMap& front, const meshing::ColumnMap& prominence);
+/// Pairs on the front as it is held now, in any turn about y, the best first.
+std::vector<BreastPair> find_pairs(const FrontMap& front, const meshing::ColumnMap& prominence);
+/// The best with a line between its tips that is level.
+std::optional<BreastPair> find_level_pair(const FrontMap& front,
+                                          const meshing::ColumnMap& prominence);
 
 }  // namespace sanatrix::standing

@@ -6,10 +6,11 @@
 
 namespace sanatrix::standing {
 
-/// Fills the voxels with the distance [mm] to the skin, negative inside. The sign is that of the
-/// nearest skin's normal (Baerentzen and Aanaes, doi:10.1109/TVCG.2005.49): where the scan has a
-/// hole or ends, the skin goes on from the rim, bent inwards as a breast is, and two rims meet in
-/// an edge, as in the fold below a breast that no camera saw.
+/// Fills the voxels with the distance [mm] to the skin, negative inside. Where the scan has a hole
+/// or ends, the skin goes on from the rim as the tangents of the skin around, the nearest most; the
+/// farther from the rim, the more skin has a say, so that noise and teeth of a rim do not. The same
+/// mean tells inside from outside where the nearest skin cannot: in folds that pass through
+/// themselves. docs/theory/scan-only.md, section 2
 void measure_body(const TriMesh& skin, Image3<float>& distance_mm);
 
 }  // namespace sanatrix::standing

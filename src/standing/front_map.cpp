@@ -19,8 +19,8 @@ void draw(const std::array<Vec3, 3>& mm, ColumnMap& map) {
   }
   const auto [a, b, c] = at;
   const double area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
-  if (std::abs(area) < 1e-12) {
-    return;
+  if (area < 1e-12) {
+    return;  // looks away: the inside of the back, behind a hole or beyond the end of the scan
   }
   const auto range = [&](std::size_t axis) {
     const auto [low, high] = std::minmax({a[axis], b[axis], c[axis]});

@@ -170,12 +170,13 @@ class Search {
 
 }  // namespace
 
-void locate_nipples(const TexturedSurface& scan, const Mat3& rotation, const ScanLandmarks& marks,
+void locate_nipples(const TexturedSurface& scan, const Mat3& rotation,
+                    std::optional<double> middle_x_m, const ScanLandmarks& marks,
                     ScanFrame& frame) {
   TexturedSurface turned = scan;
   turned.mesh = moved(std::move(turned.mesh), {rotation, {}});
   const FrontMap rough = front_map(turned.mesh, window_of(turned.mesh, 10.0), 5.0);
-  const auto pair = find_pair(rough, meshing::prominence_of(rough.skin_y, search_ball));
+  const auto pair = find_level_pair(rough, meshing::prominence_of(rough.skin_y, search_ball));
   const Search search(turned);
   const SurfaceTree skin(turned.mesh);
   std::array<Vec3, 2> nipple{};
@@ -200,7 +201,8 @@ void locate_nipples(const TexturedSurface& scan, const Mat3& rotation, const Sca
                       name, find.doubt_mm));
     }
   }
-  const Vec3 middle = 0.5 * (nipple[0] + nipple[1]);
+  Vec3 middle = 0.5 * (nipple[0] + nipple[1]);
+  middle[0] = middle_x_m.value_or(middle[0]);
   frame.to_patient = {rotation, -1.0 * middle};
   frame.nipple = {nipple[0] - middle, nipple[1] - middle};
   if (marks.sternal_notch) {

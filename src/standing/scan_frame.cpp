@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "core/error.hpp"
 #include "outcome/scan_target.hpp"
-#include "outcome/torso.hpp"
 #include "standing/breast_pair.hpp"
+#include "standing/mirror.hpp"
 #include "standing/nipples.hpp"
 
 namespace sanatrix::standing {
@@ -15,10 +16,11 @@ namespace {
 
 constexpr double search_edge_m = 0.005;
 constexpr double search_spacing_mm = 5.0;
-/// Less than this and two rises are folds of the skin or of clothes [cm3, see find_pair].
+/// Less than this and two rises are folds of the skin or of clothes [cm3, see Found].
 constexpr double least_score = 8.0;
 /// Skin that stands less than this in front of the rolling ball is not breast [mm].
 constexpr double still_mm = 6.0;
+constexpr double most_turn = 0.94;  // cosine of 20 degrees
 /// Cameras are levelled: an axis of the scanner this near to the body's axis is the vertical.
 constexpr double level_deg = 15.0;
 
@@ -56,25 +58,23 @@ Vec3 mean_normal(const TriMesh& scan) {
   return (1 / total) * sum;
 }
 
-/// Directions in which the front may be: about where the skin looks on average, or all round and
-/// across when the scan goes round the body.
-std::vector<Vec3> possible_fronts(const TriMesh& scan) {
-  const Vec3 mean = mean_normal(scan);
-  std::vector<Vec3> fronts;
-  if (norm(mean) > 0.2) {
-    // Arms and what is missing at the back turn the mean: look from beside it, too.
-    constexpr double beside = 0.36;  // tan 20 degrees
-    const Vec3 front = normalised(mean);
-    const Vec3 any = std::abs(front[0]) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-    const Vec3 u = normalised(cross(front, any)), v = cross(front, u);
-    fronts.push_back(front);
-    for (int i = 0; i < 6; ++i) {
-      const double turn = std::numbers::pi * i / 3;
-      fronts.push_back(normalised(front + beside * (std::cos(turn) * u + std::sin(turn) * v)));
-    }
-    return fronts;
+/// A direction, and six 20 degrees beside it.
+std::vector<Vec3> about(const Vec3& front) {
+  constexpr double beside = 0.36;  // tan 20 degrees
+  const Vec3 any = std::abs(front[0]) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 u = normalised(cross(front, any)), v = cross(front, u);
+  std::vector<Vec3> fronts{front};
+  for (int i = 0; i < 6; ++i) {
+    const double turn = std::numbers::pi * i / 3;
+    fronts.push_back(normalised(front + beside * (std::cos(turn) * u + std::sin(turn) * v)));
   }
-  constexpr int rings = 6;  // 30 degrees apart; refined afterwards
+  return fronts;
+}
+
+/// All round, 30 degrees apart.
+std::vector<Vec3> all_directions() {
+  constexpr int rings = 6;
+  std::vector<Vec3> fronts;
   for (int r = 0; r <= rings; ++r) {
     const double polar = std::numbers::pi * r / rings;
     const int count = std::max(1, static_cast<int>(std::lround(12 * std::sin(polar))));
@@ -92,39 +92,42 @@ Mat3 facing(const Vec3& front) {
   return axes(any - dot(any, front) * front, normalised(cross(front, any)));
 }
 
+/// A turn that brings a pair of breasts level, with their upper poles upwards.
 struct Found {
   Mat3 rotation = identity3;
-  double score = 0.0;
-  double steeper = 0.0;  ///< the lower side of the breasts than the upper one
+  double score = 0.0;  ///< of the pair, times how much steeper its lower side is: breasts have one
 };
 
-/// The turn that brings the best pair of breasts level, with their upper poles upwards.
-Found search(const TriMesh& coarse) {
-  Found best;
-  for (const Vec3& direction : possible_fronts(coarse)) {
+/// The likeliest turns seen from some directions, the best first.
+std::vector<Found> search(const TriMesh& coarse, const std::vector<Vec3>& fronts) {
+  constexpr std::size_t per_direction = 3, in_all = 10;
+  std::vector<Found> found;
+  for (const Vec3& direction : fronts) {
     Mat3 rotation = facing(direction);
     // axes() makes left x up point to the back: turn it so that back is away from the front.
     if (dot(rotation[1], direction) > 0) {
       rotation = {-1.0 * rotation[0], -1.0 * rotation[1], rotation[2]};
     }
     const Front front = look(coarse, rotation);
-    const auto pair = find_pair(front.map, front.prominence);
-    // Breasts have a steep side; a pair without one may be anything.
-    if (!pair || pair->score * std::abs(pair->upper_pole) <= best.score * best.steeper) {
-      continue;
+    auto pairs = find_pairs(front.map, front.prominence);
+    pairs.resize(std::min(pairs.size(), per_direction));
+    for (const BreastPair& pair : pairs) {
+      const double sign = pair.upper_pole >= 0 ? 1.0 : -1.0;
+      const Vec3 along = sign * (pair.tip_mm[1] - pair.tip_mm[0]);
+      const Mat3 level = axes({along[0], 0, along[2]}, normalised({-along[2], 0, along[0]}));
+      found.push_back({level * rotation, pair.score * std::abs(pair.upper_pole)});
     }
-    const double sign = pair->upper_pole >= 0 ? 1.0 : -1.0;
-    const Vec3 along = sign * (pair->tip_mm[1] - pair->tip_mm[0]);
-    const Mat3 level = axes({along[0], 0, along[2]}, normalised({-along[2], 0, along[0]}));
-    best = {level * rotation, pair->score, std::abs(pair->upper_pole)};
   }
-  return best;
+  std::ranges::stable_sort(found, std::greater{}, &Found::score);
+  found.resize(std::min(found.size(), in_all));
+  return found;
 }
 
 /// The vertical in the plane across the line of the nipples: the trunk is drawn out along it, so
 /// that the normals of skin beside the breasts have the least part in it.
 Vec3 trunk_axis(const Front& front, double middle_x_mm, double middle_z_mm) {
-  constexpr double half_width_mm = 140.0, half_height_mm = 180.0;
+  // Farther up the chest slopes back to the shoulders.
+  constexpr double half_width_mm = 140.0, above_mm = 100.0, below_mm = 180.0;
   double yy = 0, yz = 0, zz = 0;
   for (const auto& [a, b, c] : front.surface.triangles) {
     const Vec3& p = front.surface.points[static_cast<std::size_t>(a)];
@@ -132,7 +135,7 @@ Vec3 trunk_axis(const Front& front, double middle_x_mm, double middle_z_mm) {
     const Vec3& r = front.surface.points[static_cast<std::size_t>(c)];
     const Vec3 centre = (1e3 / 3) * (p + q + r);
     const bool near = std::abs(centre[0] - middle_x_mm) < half_width_mm &&
-                      std::abs(centre[2] - middle_z_mm) < half_height_mm;
+                      centre[2] - middle_z_mm < above_mm && middle_z_mm - centre[2] < below_mm;
     const std::size_t column = front.prominence.nearest(centre[0], centre[2]);
     if (near && front.prominence.value[column] < still_mm) {
       const Vec3 n = cross(q - p, r - p);
@@ -148,36 +151,60 @@ Vec3 trunk_axis(const Front& front, double middle_x_mm, double middle_z_mm) {
   return axis[2] < 0 ? -1.0 * axis : axis;
 }
 
-/// Turns the frame by the trunk's own axis, the tips of the breasts and the mirror symmetry of what
-/// is not breast.
-Mat3 refined(const TriMesh& coarse, const Mat3& rotation, const std::optional<Vec3>& up) {
+/// How she stands, and where her middle is, if her trunk has one.
+struct Stance {
+  Mat3 rotation = identity3;
+  std::optional<double> middle_x_m;  ///< of the turned scan
+  double symmetry = 0.0;             ///< share of still skin that lies on its mirror image
+};
+
+/// Rows for a left that is kept and an upwards direction that is made perpendicular to it.
+Mat3 keeping_left(const Vec3& left, const Vec3& up_about) {
+  const Vec3 up = normalised(up_about - dot(up_about, left) * left);
+  return {left, cross(up, left), up};
+}
+
+/// Turns the frame by the mirror symmetry of what is not breast and by the trunk's own axis.
+Stance refined(const TriMesh& coarse, const Mat3& rotation, const std::optional<Vec3>& up) {
   const Front front = look(coarse, rotation);
-  const auto pair = find_pair(front.map, front.prominence);
+  const auto pair = find_level_pair(front.map, front.prominence);
   if (!pair) {
-    return rotation;
+    return {rotation, {}};
   }
   const Vec3 middle = 0.5 * (pair->tip_mm[0] + pair->tip_mm[1]);
-  Vec3 along = pair->tip_mm[1] - pair->tip_mm[0];
-  Vec3 vertical = up ? normalised(rotation * *up) : trunk_axis(front, middle[0], middle[2]);
-  if (!up) {  // the tips are level; seen from this side, their line is truer than at first
-    const Vec3 level = normalised(along);
-    vertical = normalised(vertical - dot(vertical, level) * level);
-  }
-  outcome::Torso torso;
-  torso.skin = front.surface;
-  torso.up = vertical;
-  torso.notch = 1e-3 * middle;
+  const Vec3 along = normalised(pair->tip_mm[1] - pair->tip_mm[0]);
+  std::vector<bool> still;
   for (const Vec3& p : front.surface.points) {
     const bool near =
         std::abs(1e3 * p[0] - middle[0]) < 170 && std::abs(1e3 * p[2] - middle[2]) < 200;
     const double rise = front.prominence.value[front.prominence.nearest(1e3 * p[0], 1e3 * p[2])];
-    torso.breast.push_back(near && rise < still_mm ? 0 : 1);
+    still.push_back(near && rise < still_mm);
   }
-  const outcome::BodyFrame body = outcome::body_frame(torso, normalised(along));
+  const MirrorPlane mirror = fit_mirror(front.surface, still, {along, 1e-3 * dot(along, middle)});
   // Symmetry that contradicts the breasts by far has found something else.
-  constexpr double most_turn = 0.94;  // cosine of 20 degrees
-  const Vec3 left = dot(body.left, normalised(along)) > most_turn ? body.left : along;
-  return axes(left, vertical) * rotation;
+  constexpr double most_shift_m = 0.025;
+  const bool agree = dot(mirror.normal, along) > most_turn &&
+                     std::abs(dot(mirror.normal, 1e-3 * middle) - mirror.offset_m) < most_shift_m;
+  const Vec3 left = agree ? mirror.normal : along;
+  if (getenv("DBG")) {
+    auto L = [&](Vec3 x) {
+      Vec3 r{};
+      for (int a = 0; a < 3; ++a)
+        r[a] = rotation[0][a] * x[0] + rotation[1][a] * x[1] + rotation[2][a] * x[2];
+      return r;
+    };
+    Vec3 a1 = L(along), m1 = L(mirror.normal), v1 = L(trunk_axis(front, middle[0], middle[2]));
+    printf(
+        "DBG along %.3f %.3f %.3f mirror %.3f %.3f %.3f off %.1f axis %.3f %.3f %.3f score %.1f "
+        "pole %.2f agree %d\n",
+        a1[0], a1[1], a1[2], m1[0], m1[1], m1[2],
+        1e3 * (mirror.offset_m - dot(mirror.normal, 1e-3 * middle)), v1[0], v1[1], v1[2],
+        pair->score, pair->upper_pole, agree);
+  }
+  const Mat3 turn = up ? axes(left, normalised(rotation * *up))
+                       : keeping_left(left, trunk_axis(front, middle[0], middle[2]));
+  return {turn * rotation, agree && !up ? std::optional(mirror.offset_m) : std::nullopt,
+          agree ? mirror.share : 0.0};
 }
 
 /// The scanner's own vertical, if the patient stands along it.
@@ -201,44 +228,80 @@ Mat3 marked_rotation(const ScanLandmarks& marks) {
   return axes(along, normalised(rough[2] - back * rough[1]));
 }
 
+/// Of the likeliest turns the one whose trunk is its own mirror image (a breast and an arm are
+/// not), and that most others agree with.
+Stance best_stance(const TriMesh& coarse, const std::vector<Vec3>& fronts,
+                   const std::optional<Vec3>& up) {
+  std::vector<std::pair<Stance, double>> stances;
+  for (const Found& found : search(coarse, fronts)) {
+    Mat3 rotation = found.rotation;
+    if (up && dot(rotation[2], *up) < 0) {  // what is said counts more than the breasts' shape
+      rotation = {-1.0 * rotation[0], rotation[1], -1.0 * rotation[2]};
+    }
+    if (found.score > least_score) {
+      const Stance stance = refined(coarse, rotation, up);
+      stances.emplace_back(stance, found.score * std::pow(stance.symmetry, 4));
+    }
+  }
+  std::ranges::stable_sort(stances, std::greater{}, &std::pair<Stance, double>::second);
+  Stance best;
+  double most = 0.0;
+  for (const auto& [stance, merit] : stances) {
+    double votes = 0.0;
+    for (const auto& [other, vote] : stances) {
+      const bool agrees = dot(other.rotation[0], stance.rotation[0]) > most_turn &&
+                          dot(other.rotation[2], stance.rotation[2]) > 0.8;
+      votes += agrees ? vote : 0.0;
+    }
+    if (votes > most) {
+      most = votes;
+      best = stance;
+    }
+  }
+  if (most == 0.0) {
+    throw Error(Fault::Input,
+                "no two breasts side by side are found on the scan, so it is not known how the "
+                "patient stands in it",
+                "give a scan of the bare trunk, or mark the nipples and the sternal notch "
+                "(--scan-landmarks)");
+  }
+  return best;
+}
+
+/// The front is where the skin looks on average, or, when the scan goes round the body, found among
+/// all directions and looked at again. Arms and what is missing at the back turn the mean.
+Stance found_stance(const TriMesh& coarse, const std::optional<Vec3>& up) {
+  const Vec3 mean = mean_normal(coarse);
+  constexpr double one_sided = 0.2;
+  const Vec3 front = norm(mean) > one_sided
+                         ? normalised(mean)
+                         : -1.0 * best_stance(coarse, all_directions(), up).rotation[1];
+  return best_stance(coarse, about(front), up);
+}
+
 }  // namespace
 
 ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
   const TriMesh coarse = outcome::coarsened(scan.mesh, search_edge_m);
   ScanFrame frame;
   const bool marked = marks.nipple[0] && marks.nipple[1] && marks.sternal_notch;
-  Found found;
-  if (marked) {
-    found.rotation = marked_rotation(marks);
-  } else {
-    found = search(coarse);
-    if (found.score < least_score) {
-      throw Error(Fault::Input,
-                  "no two breasts side by side are found on the scan, so it is not known how the "
-                  "patient stands in it",
-                  "give a scan of the bare trunk, or mark the nipples and the sternal notch "
-                  "(--scan-landmarks)");
-    }
-  }
-  std::optional<Vec3> up = marks.up ? std::optional(normalised(*marks.up)) : std::nullopt;
-  Mat3 rotation = found.rotation;
-  if (up && dot(rotation[2], *up) < 0) {  // what is said counts more than the breasts' shape
-    rotation = {-1.0 * rotation[0], rotation[1], -1.0 * rotation[2]};
-  }
-  for (int i = 0; i < 2; ++i) {
-    rotation = refined(coarse, rotation, up);
+  const std::optional<Vec3> up = marks.up ? std::optional(normalised(*marks.up)) : std::nullopt;
+  Stance stance = marked ? refined(coarse, marked_rotation(marks), up) : found_stance(coarse, up);
+  if (const Stance again = refined(coarse, stance.rotation, up);
+      again.symmetry >= 0.9 * stance.symmetry) {
+    stance = again;
   }
   if (!up) {
-    up = level_of(rotation[2]);
+    const auto level = level_of(stance.rotation[2]);
     frame.notes.push_back(
-        up ? "the vertical is the scanner's axis, which the trunk follows within 15 degrees"
-           : "the vertical is the trunk's own axis; it may be 10 degrees off (mark \"up\" to be "
-             "sure)");
-    if (up) {
-      rotation = refined(coarse, rotation, up);
+        level ? "the vertical is the scanner's axis, which the trunk follows within 15 degrees"
+              : "the vertical is the trunk's own axis; it may be 10 degrees off (mark \"up\" to be "
+                "sure)");
+    if (level) {
+      stance.rotation = keeping_left(stance.rotation[0], *level);
     }
   }
-  locate_nipples(scan, rotation, marks, frame);
+  locate_nipples(scan, stance.rotation, stance.middle_x_m, marks, frame);
   return frame;
 }
 

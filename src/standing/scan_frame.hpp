@@ -27,7 +27,8 @@ struct NippleFind {
 };
 
 struct ScanFrame {
-  Rigid to_patient;              ///< scan -> LPS [m], origin midway between the nipples
+  Rigid to_patient;  ///< scan -> LPS [m]; x = 0 is the trunk's middle, else the origin is
+                     ///< midway between the nipples
   std::array<Vec3, 2> nipple{};  ///< LPS [m]
   std::array<NippleFind, 2> nipple_find{};
   std::optional<Vec3> sternal_notch;

@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "geometry/image_filters.hpp"
+#include "standing/arms.hpp"
 #include "standing/closed_body.hpp"
 
 namespace sanatrix::standing {
@@ -18,7 +19,7 @@ const double above_mm = meshing::standing_above_mm + 20.0;
 constexpr double behind_rim_mm = 60.0;
 constexpr double skin_mm = 2.0;
 constexpr double muscle_mm = 12.0;
-/// Arms, neck and hips do not belong to the model.
+/// Neck and hips do not belong to the model.
 constexpr std::array<double, 2> trunk_half_mm{230.0, 240.0};
 
 /// The scan around the breasts.
@@ -72,6 +73,20 @@ double check_coverage(const FrontMap& front, const meshing::BreastMap& breasts) 
   return (unseen[0] + unseen[1]) / (all[0] + all[1]);
 }
 
+/// Beyond the scan's ends nothing is known, and beyond the armpits are the arms: no breast is
+/// there.
+void bound(const FrontMap& front, const std::array<double, 2>& armpit_mm,
+           meshing::BreastMap& breasts) {
+  const std::vector<bool> holes = front.holes();
+  for (std::size_t c = 0; c < holes.size(); ++c) {
+    const auto column = static_cast<int>(c % static_cast<std::size_t>(front.skin_y.size[0]));
+    const double x = front.skin_y.origin_mm[0] + column * front.skin_y.spacing_mm;
+    if ((!front.seen[c] && !holes[c]) || x < armpit_mm[0] || x > armpit_mm[1]) {
+      breasts.side[c] = 0;
+    }
+  }
+}
+
 /// z [mm] between which most of the trunk's width was scanned.
 std::array<double, 2> seen_heights(const FrontMap& front) {
   const meshing::ColumnMap& map = front.skin_y;
@@ -94,7 +109,7 @@ std::array<double, 2> seen_heights(const FrontMap& front) {
 }
 
 LabelImage grid_around(const meshing::BreastMap& breasts, const FrontMap& front,
-                       double spacing_mm) {
+                       const std::array<double, 2>& armpit_mm, double spacing_mm) {
   Vec3 low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
   const meshing::ColumnMap& map = front.skin_y;
   for (int k = 0; k < map.size[1]; ++k) {
@@ -110,6 +125,8 @@ LabelImage grid_around(const meshing::BreastMap& breasts, const FrontMap& front,
       }
     }
   }
+  low[0] = std::max(low[0] - beyond_mm, armpit_mm[0]);
+  high[0] = std::min(high[0] + beyond_mm, armpit_mm[1]);
   // Not where the scan ends: what is made up beyond its rim is good for holes, not for a trunk.
   const auto [lowest, highest] = seen_heights(front);
   constexpr double frayed_mm = 8.0;  // rims are rough, and the skin beyond them is made up
@@ -118,7 +135,7 @@ LabelImage grid_around(const meshing::BreastMap& breasts, const FrontMap& front,
   LabelImage grid{.spacing_mm = {spacing_mm, spacing_mm, spacing_mm}, .voxels = {}};
   std::size_t count = 1;
   for (std::size_t a = 0; a < 3; ++a) {
-    constexpr Vec3 before{beyond_mm, 10.0, 0.0}, behind{beyond_mm, behind_rim_mm, 0.0};
+    constexpr Vec3 before{0.0, 10.0, 0.0}, behind{0.0, behind_rim_mm, 0.0};
     grid.origin_mm[a] = low[a] - before[a];
     const double end = high[a] + behind[a];
     grid.size[a] = 1 + static_cast<int>((end - grid.origin_mm[a]) / spacing_mm);
@@ -168,11 +185,8 @@ Image3<float> depth_in_trunk(const Image3<float>& body, const meshing::ColumnMap
 class Painter {
  public:
   Painter(const TriMesh& skin, const std::array<Vec3, 2>& nipple, const BodyOptions& options)
-      : options_(options), skin_(trunk_of(skin)) {
+      : options_(options), nipple_mm_{1e3 * nipple[0], 1e3 * nipple[1]}, skin_(trunk_of(skin)) {
     require(!skin_.triangles.empty(), "nothing of the scan lies around the nipples");
-    for (std::size_t side = 0; side < 2; ++side) {
-      nipple_mm_[side] = 1e3 * nipple[side];
-    }
   }
 
   StandingBody run(const Context& ctx) {
@@ -182,10 +196,12 @@ class Painter {
                                      .nipple_mm = nipple_mm_,
                                      .ball = meshing::standing_ball,
                                      .breast_reach_mm = meshing::standing_reach_mm});
+    const std::array<double, 2> armpit_mm = armpits(front_, nipple_mm_);
+    bound(front_, armpit_mm, breasts_);
     StandingBody result;
     result.unseen_share = check_coverage(front_, breasts_);
     ctx.at(0.1, "closing the skin");
-    LabelImage labels = grid_around(breasts_, front_, options_.spacing_mm);
+    LabelImage labels = grid_around(breasts_, front_, armpit_mm, options_.spacing_mm);
     body_ = body_on(labels, skin_);
     ctx.at(0.5, "chest wall");
     depth_ = depth_in_trunk(body_, trunk_without_breasts(front_, breasts_));
@@ -262,8 +278,8 @@ class Painter {
   }
 
   BodyOptions options_;
-  TriMesh skin_;
   std::array<Vec3, 2> nipple_mm_{};
+  TriMesh skin_;
   FrontMap front_;
   meshing::BreastMap breasts_;
   Image3<float> body_, depth_;

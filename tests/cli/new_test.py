@@ -73,6 +73,15 @@ class New(CliTest):
             stages = json.loads(self.run_ok("status", case, "--json").stdout)["stages"]
             self.assertEqual([s["state"] for s in stages[:3]], ["fresh", "failed", "missing"])
 
+    def test_a_mesh_that_takes_too_long_is_given_up(self):
+        labels, plan = write_patient(self.folder / "patient")
+        case = self.folder / "case"
+        self.run_ok("new", case, "--labels", labels, "--plan", plan)
+        # A million vertices take minutes; the harness's own limit tells an end from a hang.
+        self.refused(4, "run", case, "--to", "mesh", "--set", "segment.spacing_mm=2",
+                     "--set", "mesh.target_vertices=1000000", "--set", "mesh.near_edge_mm=1.5",
+                     "--set", "mesh.time_limit_s=2", says=["meshing took longer than 2 s", " - "])
+
 
 if __name__ == "__main__":
     main()

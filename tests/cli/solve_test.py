@@ -65,21 +65,41 @@ class Solve(CliTest):
             self.assertIn(f"result_{rank:04d}.vtu", pieces)
             self.assertTrue((self.folder / f"out/result_{rank:04d}.vtu").exists())
 
-    def test_healing_contracts_the_wound(self):
+    def heal(self, *words, **changes):
+        """Result and rows of history.csv."""
         healing = {"preset": "vavourakis2016", "wound": ["wound"], "days": 24,
-                   "mechanics_interval_days": 6, "scheme": "cvode"}
+                   "mechanics_interval_days": 6, **changes}
         problem = block_problem(mode="healing", healing=healing)
         del problem["gravity"]
         (self.folder / "heal.json").write_text(json.dumps(problem))
         out = self.folder / "out"
-        self.run_ok("solve", self.folder / "heal.json", "--out", out)
+        self.run_ok("solve", self.folder / "heal.json", "--out", out, *words)
         with open(out / "history.csv", newline="") as file:
-            rows = list(csv.DictReader(file))
+            rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+        return json.loads((out / "result.json").read_text()), rows
+
+    def test_healing_contracts_the_wound(self):
+        _, rows = self.heal(scheme="cvode")
         self.assertLessEqual({"t_day", "eta_mean", "eta_centre", "nu_mean", "xi_mean", "zeta_mean",
                               "mu_mean", "V_over_V0", "wall_displacement_mm"}, set(rows[0]))
-        self.assertEqual(float(rows[0]["V_over_V0"]), 1.0)
-        self.assertLess(float(rows[-1]["V_over_V0"]), 0.99)
-        self.assertEqual(float(rows[-1]["t_day"]), 24.0)
+        self.assertEqual(rows[0]["V_over_V0"], 1.0)
+        self.assertLess(rows[-1]["V_over_V0"], 0.99)
+        self.assertEqual(rows[-1]["t_day"], 24.0)
+
+    def test_healing_on_shares_agrees_to_1e_8(self):
+        for scheme in ({"scheme": "cvode"}, {"scheme": "explicit", "dt_s": 1000.0}):
+            one, history = self.heal(**scheme)
+            for ranks in ("2", "3"):
+                with self.subTest(ranks=ranks, **scheme):
+                    several, shared = self.heal("--ranks", ranks, **scheme)
+                    for key in ["wound_volume_ratio_final", "max_displacement_mm", "min_jacobian",
+                                "volume_ratio"]:
+                        self.assertAlmostEqual(one[key] / several[key], 1.0, delta=1e-8, msg=key)
+                    self.assertEqual(several["distribution"]["ranks"], int(ranks))
+                    self.assertEqual(len(history), len(shared))
+                    for a, b in zip(history, shared):
+                        for key in a:  # nine digits are written, of numbers up to 24
+                            self.assertAlmostEqual(a[key], b[key], delta=2e-8, msg=key)
 
     def test_mistakes_are_named_with_what_there_is(self):
         good = block_problem()["regions"]

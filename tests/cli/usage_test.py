@@ -40,6 +40,10 @@ class Usage(CliTest):
             done = sanatrix(*words)
             self.assertNotIn("\x1b", done.stdout + done.stderr)
 
+    def test_a_folder_that_cannot_be_made_is_said_before_the_work(self):
+        (self.folder / "file").write_text("")
+        self.refused(4, "phantom", self.folder / "file", says=["cannot be made", "another folder"])
+
     def test_a_folder_that_is_no_case_is_bad_input(self):
         self.refused(2, "run", self.folder, says=["case.json", "sanatrix new"])
         self.refused(2, "status", self.folder / "absent")

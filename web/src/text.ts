@@ -207,6 +207,6 @@ export const text = {
     choose: 'Plans', none: 'There is no other simulated plan of this patient yet. Save the plan under another name, change it and simulate.',
     show: 'Show', shows: { after: 'After', change: 'Displacement', difference: 'Difference to the first' },
     apart: 'Distance from the first plan’s result', apartNote: 'Where meshes differ, the nearest place of her skin as imaged is compared.',
-    measure: 'Measure', full: 'Four plans at most.',
+    measure: 'Measure', full: 'Four plans at most.', measures: 'Measures of the plans',
   },
 };

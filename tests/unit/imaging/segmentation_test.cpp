@@ -177,7 +177,7 @@ TEST_F(Segmentation, refuses_what_cannot_be_a_prone_breast_mri) {
 
   LabelImage metres = good;
   metres.spacing_mm = {0.002, 0.002, 0.002};
-  EXPECT_THAT(refusal(metres), HasSubstr("spacing"));
+  EXPECT_THAT(refusal(metres), HasSubstr("0.002 x 0.002 x 0.002 mm"));
 
   LabelImage foreign = good;
   foreign.voxels[good.voxels.size() / 2] = 77;

@@ -1,7 +1,9 @@
 // Images keep their voxels and their place in the patient through every format.
 #include "io/image_file.hpp"
 
+#include <cstring>
 #include <filesystem>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -101,6 +103,41 @@ TEST_F(ImageFile, MissingForeignAndTruncatedFilesAreNamed) {
     write_text(folder_ / name, all.substr(0, all.size() / 2));
     EXPECT_THAT(message(folder_ / name), HasSubstr(name));
   }
+}
+
+TEST_F(ImageFile, HeadersThatMeanNoPlaceAreRefusedOnOneLine) {
+  const auto refusal = [](const fs::path& file) {
+    try {
+      read_image(file);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.fault(), Fault::Input);
+      return e.one_line();
+    }
+    return std::string("accepted");
+  };
+  // ITK aborts the process on a NIfTI affine that is not a number.
+  write_image(oblique_image<float>(), folder_ / "a.nii");
+  std::string bytes = read_text(folder_ / "a.nii");
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const std::size_t field : {80U, 256U, 268U, 280U, 324U}) {
+    std::string changed = bytes;
+    std::memcpy(changed.data() + field, &nan, sizeof nan);
+    write_text(folder_ / "nan.nii", changed);
+    EXPECT_THAT(refusal(folder_ / "nan.nii"), HasSubstr("not a finite number")) << field;
+  }
+  const auto nrrd = [&](const std::string& directions) {
+    write_text(folder_ / "a.nrrd",
+               "NRRD0004\ntype: uchar\ndimension: 3\nspace: left-posterior-superior\n"
+               "sizes: 2 2 2\nspace directions: " +
+                   directions +
+                   "\nkinds: domain domain domain\nencoding: raw\nspace origin: (0,0,0)\n\n" +
+                   std::string(8, '\1'));
+    return refusal(folder_ / "a.nrrd");
+  };
+  EXPECT_EQ(nrrd("(1,0,0) (0,1,0) (0,0,1)"), "accepted");
+  EXPECT_THAT(nrrd("(1,0.1,0) (0,1,0) (0,0,1)"), HasSubstr("not perpendicular"));
+  EXPECT_THAT(nrrd("(0.001,0,0) (0,0.001,0) (0,0,0.003)"), HasSubstr("0.001 x 0.001 x 0.003 mm"));
+  EXPECT_THAT(nrrd("(0,0,0) (0,1,0) (0,0,1)"), HasSubstr("a.nrrd"));
 }
 
 TEST_F(ImageFile, ReadsADevelopmentPatientInBothFormats) {

@@ -39,6 +39,34 @@ TEST(ScanFrame, IsFoundInAnyPose) {
   }
 }
 
+/// Left and up of the frame in the trunk's own axes, in degrees from its own.
+std::array<double, 2> degrees_off(const ScanFrame& frame, const Rigid& pose) {
+  const Mat3 left_over = frame.to_patient.rotation * pose.rotation;
+  return {degrees_between(left_over[0], {1, 0, 0}), degrees_between(left_over[2], {0, 0, 1})};
+}
+
+TEST(ScanFrame, IsFoundOnScansThatGoRoundTheTrunk) {
+  const Rigid pose = some_pose(0.9);
+  const ScanFrame frame = find_frame(plain(moved(Trunk{.back = true}.scan(), pose)), {});
+  const auto [left, up] = degrees_off(frame, pose);
+  EXPECT_LT(left, 3.0);
+  EXPECT_LT(up, 3.0);
+}
+
+TEST(ScanFrame, LeftAndMiddleAreThoseOfTheTrunkNotOfTheBreasts) {
+  // A smaller breast, an arm on one side, and a trunk that is rolled by 4 degrees in the scanner.
+  const double roll = 4 * std::numbers::pi / 180;
+  const Rigid pose{
+      {{{std::cos(roll), 0, std::sin(roll)}, {0, 1, 0}, {-std::sin(roll), 0, std::cos(roll)}}},
+      {0.02, 0.1, 0.3}};
+  const ScanFrame frame =
+      find_frame(plain(moved(Trunk{.left_share = 0.75, .left_arm = true}.scan(), pose)), {});
+  const auto [left, up] = degrees_off(frame, pose);
+  EXPECT_LT(left, 1.0);  // the scan's 4 mm columns at 150 mm
+  EXPECT_LT(up, 1.0);
+  EXPECT_NEAR(1e3 * frame.to_patient(pose({0, 0, 0}))[0], 0.0, 2.0);
+}
+
 TEST(ScanFrame, WhatIsSaidToBeUpIsUp) {
   ScanLandmarks marks;
   marks.up = Vec3{0, 0, -1};  // as if the patient stood on her head
@@ -79,6 +107,13 @@ TEST(StandingBody, TheWallLiesBehindTheBreastsOfAKnownTrunk) {
   // Gaussian breasts have wide tails beyond the footprint that pull the wall forward: a hard case.
   EXPECT_LT(sum / count, 1.5 * wall_doubt_mm);
   EXPECT_LT(std::abs(body.breast_cm3[0] - body.breast_cm3[1]), 0.05 * body.breast_cm3[0]);
+}
+
+TEST(StandingBody, AnArmBesideTheTrunkIsNoBreast) {
+  const StandingBody alone = body_of({}), beside = body_of({.left_arm = true});
+  for (const std::size_t side : {0U, 1U}) {
+    EXPECT_NEAR(beside.breast_cm3[side], alone.breast_cm3[side], 0.02 * alone.breast_cm3[side]);
+  }
 }
 
 TEST(StandingBody, ADeeperWallMakesLargerBreasts) {

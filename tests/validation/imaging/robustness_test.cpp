@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/image_filters.hpp"
 #include "imaging/agreement.hpp"
 #include "imaging/automatic.hpp"
 #include "imaging/quality.hpp"
@@ -60,6 +61,34 @@ TEST_P(OtherAnatomy, IsSegmentedFromAnImageMadeOfItsLabels) {
 INSTANTIATE_TEST_SUITE_P(Exams, OtherAnatomy,
                          ::testing::Values(Exam{"Exam_15_detailed.nii.gz", true, 12.0},
                                            Exam{"Exam_25_detailed.nii.gz", false, 6.0}));
+
+// Of the gland only what is thick is left, as in a fatty breast. 10 s.
+TEST(FattyBreast, IsNotTakenForADenseOne) {
+  SANATRIX_REQUIRE_SHARED("data/real_prone_labels/Exam_15_detailed.nii.gz");
+  Silent silent;
+  Segmentation truth =
+      segment_given_labels(shared_file, LabelPreset::Pelicano, 1.0, Context("labels", silent));
+  Image3<float> thick = image_like<float>(truth.labels);
+  for (std::size_t v = 0; v < thick.voxels.size(); ++v) {
+    thick.voxels[v] =
+        truth.labels.voxels[v] == static_cast<unsigned char>(Label::Fibroglandular) ? 1.0F : 0.0F;
+  }
+  smooth(thick, 3.0);
+  for (std::size_t v = 0; v < thick.voxels.size(); ++v) {
+    if (thick.voxels[v] < 0.55F) {
+      truth.fibroglandular.voxels[v] = 0.0F;
+      truth.labels.voxels[v] =
+          truth.labels.voxels[v] == static_cast<unsigned char>(Label::Fibroglandular)
+              ? static_cast<unsigned char>(Label::Adipose)
+              : truth.labels.voxels[v];
+    }
+  }
+  const Agreement a = agreement_of(
+      "fatty", testing::synthetic_mri(truth.labels, truth.fibroglandular, testing::t2_contrast),
+      truth.labels);
+  EXPECT_GE(a.glandular_dice, 0.75);
+  EXPECT_LE(std::abs(a.glandular_volume_percent), 20.0);
+}
 
 enum class Change { Noise, Shading, LargerBreast, EveryThirdSlice };
 struct Worse {

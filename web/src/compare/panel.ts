@@ -3,6 +3,7 @@ import { api, type CaseSummary } from '../api';
 import type { App, StepView } from '../app';
 import { choice, fill, h } from '../dom';
 import { planName } from '../outcome/panel';
+import { families, presetOf } from '../outcome/whatIf';
 import { differences } from './difference';
 import { rowsOf } from '../outcome/rows';
 import { text } from '../text';
@@ -17,16 +18,22 @@ type Show = 'after' | 'change' | 'difference';
 const most = 4;
 
 export async function compareStep(app: App): Promise<StepView> {
-  const panel = h('div', { class: 'panel' }), scale = h('div', { class: 'scale' }), numbers = h('div', { class: 'compare-numbers' });
+  const panel = h('div', { class: 'panel' }), scale = h('div', { class: 'scale' }), numbers = h('div', { class: 'compare-numbers', role: 'region', 'aria-label': t.measures, tabindex: '0' });
   const own = app.summary!;
   const all = (await api.cases()).filter((c) => !c.broken && c.patient === own.patient && c.outcome);
   let chosen = all.filter((c) => c.id === own.id).concat(all.filter((c) => c.id !== own.id)).slice(0, 2).map((c) => c.id);
   let show: Show = 'after';
+  const groups = families(all);
+  /** A plan that has been asked "what if" is called by that plan and its model of healing. */
+  const nameOf = (c: CaseSummary): string => {
+    const plan = groups.find((g) => g.others.includes(c))?.main;
+    return plan ? `${planName(plan)}, ${(text.plan.presets[presetOf(c)] ?? presetOf(c)).toLowerCase()}` : planName(c);
+  };
   const bodies = new Map<string, Body>();
 
   const draw = async (): Promise<void> => {
     const members = chosen.map((id) => all.find((c) => c.id === id)!).filter(Boolean);
-    fill(numbers, [members.length ? table(members) : null]);
+    fill(numbers, [members.length ? table(members, nameOf) : null]);
     if (!app.viewer) return;
     for (const m of members) {
       const body = bodies.get(m.id) ?? (await app.bodyOf(m));
@@ -36,7 +43,7 @@ export async function compareStep(app: App): Promise<StepView> {
     fill(scale, []);
     paint(shown.map((m) => bodies.get(m.id)!), show, scale);
     const before = app.viewer.panes.length;
-    app.viewer.setPanes(shown.map((m) => ({ title: planName(m), bodies: [bodies.get(m.id)!] })));
+    app.viewer.setPanes(shown.map((m) => ({ title: nameOf(m), bodies: [bodies.get(m.id)!] })));
     if (before !== shown.length) app.viewer.frame();
   };
   const boxes = h('fieldset', { class: 'checks' }, h('legend', {}, t.choose), ...all.map((c) => {
@@ -47,7 +54,7 @@ export async function compareStep(app: App): Promise<StepView> {
         void draw();
       },
     });
-    return h('label', { class: 'check' }, input, planName(c));
+    return h('label', { class: 'check' }, input, nameOf(c));
   }));
   fill(panel, [h('h2', {}, text.steps.compare[0]), h('p', {}, t.lead), all.length < 2 ? h('p', { class: 'quiet' }, t.none) : null, boxes,
     choice(t.show, Object.entries(t.shows) as [Show, string][], show, (v) => { show = v; void draw(); }).element, scale, numbers]);
@@ -78,10 +85,10 @@ function paint(bodies: Body[], show: Show, scale: HTMLElement): void {
   fill(scale, [colourBar(`${t.apart} [mm]`, '0', String(top), viridisAt), h('p', { class: 'quiet' }, t.apartNote)]);
 }
 
-function table(members: CaseSummary[]): HTMLElement {
+function table(members: CaseSummary[], nameOf: (c: CaseSummary) => string): HTMLElement {
   const rows = members.map((m) => rowsOf(m.outcome!));
   return h('table', { class: 'measures' },
-    h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.measure), ...members.map((m) => h('th', { scope: 'col' }, planName(m))))),
+    h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.measure), ...members.map((m) => h('th', { scope: 'col' }, nameOf(m))))),
     h('tbody', {}, ...rows[0].filter((r) => r.first).map((r) => h('tr', {}, h('th', { scope: 'row', title: r.note ?? '' }, r.label), ...rows.map((of) => {
       const cell = of.find((x) => x.label === r.label);
       return h('td', { class: cell?.noise ? 'noise' : '' }, cell?.value ?? '–', cell?.range ? h('small', {}, cell.range) : null);

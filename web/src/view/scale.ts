@@ -15,5 +15,5 @@ export function colourBar(title: string, low: string, high: string, at: (t: numb
 export function niceTop(x: number): number {
   if (!(x > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(x));
-  return [1, 2, 3, 5, 10].map((f) => f * power).find((v) => v >= x - 1e-12) ?? 10 * power;
+  return [1, 1.5, 2, 3, 4, 5, 6, 8, 10].map((f) => Number((f * power).toPrecision(2))).find((v) => v >= x - 1e-12) ?? 10 * power;
 }

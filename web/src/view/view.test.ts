@@ -32,5 +32,5 @@ test('the colour of nothing is not a colour of the scale', () => {
 });
 
 test('scales end at round numbers', () => {
-  expect([1.13, 4.2, 0.07, 20].map(niceTop)).toEqual([2, 5, 0.1, 20]);
+  expect([1.13, 4.2, 5.3, 0.57, 0.07, 20].map(niceTop)).toEqual([1.5, 5, 6, 0.6, 0.08, 20]);
 });
