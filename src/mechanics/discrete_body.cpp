@@ -384,6 +384,35 @@ State DiscreteBody::moved(const State& state, std::span<const double> d, double 
   return next;
 }
 
+double DiscreteBody::share_within(const State& state, std::span<const double> d,
+                                  double kept) const {
+  double share = 1.0;
+  for (const auto& cell : body_.mesh->cells) {
+    Mat3 edges{};
+    Mat3 change{};
+    const std::size_t first = index(cell[0]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t n = index(cell[k + 1]);
+      edges[k] = state.nodes[n] - state.nodes[first];
+      for (std::size_t i = 0; i < 3; ++i) {
+        change[k][i] = d[fem::block * n + i] - d[fem::block * first + i];
+      }
+    }
+    const double least = kept * determinant(edges);
+    const auto volume = [&] {
+      Mat3 moved = edges;
+      for (std::size_t k = 0; k < 3; ++k) {
+        moved[k] += share * change[k];
+      }
+      return determinant(moved);
+    };
+    while (share > 1e-3 && volume() < least) {
+      share *= 0.9;
+    }
+  }
+  return -fem::largest(-share);
+}
+
 double DiscreteBody::norm(std::span<const double> r) const {
   double mine = 0.0;
   for (std::size_t i = 0; i < r.size(); ++i) {

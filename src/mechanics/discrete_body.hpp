@@ -46,6 +46,10 @@ class DiscreteBody {
   void forget_factorisation();
   /// state + alpha d
   [[nodiscard]] State moved(const State& state, std::span<const double> d, double alpha) const;
+  /// The largest share of the step d, at most 1, that leaves every cell `kept` of its volume in the
+  /// sought shape (straight edges). Collective.
+  [[nodiscard]] double share_within(const State& state, std::span<const double> d,
+                                    double kept) const;
   /// Euclidean norm with pressure rows [m3] scaled to forces [N] by a typical mu/h.
   [[nodiscard]] double norm(std::span<const double> r) const;
   /// What that norm is compared with: the norm of gravity and dead loads, or a small force of the

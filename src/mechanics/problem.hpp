@@ -57,7 +57,7 @@ struct Shape {
 struct SolveOptions {
   double relative_tolerance = 1e-9;  ///< of the scaled residual against the load
   int max_newton = 40;
-  int max_halvings = 8;  ///< of the load step
+  double smallest_load_step = 1.0 / 256.0;  ///< of the whole load
 };
 
 struct SolveReport {
