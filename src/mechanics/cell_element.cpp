@@ -301,7 +301,7 @@ std::span<const QuadraturePoint<4>> rule() {
 }  // namespace
 
 double own_bulk_modulus(const Tissue& tissue) {
-  return std::min(2.0 * stabilising_shear(tissue), 0.02 * tissue.kappa);
+  return tissue.guard * std::min(2.0 * stabilising_shear(tissue), 0.02 * tissue.kappa);
 }
 
 template <std::size_t Nodes>

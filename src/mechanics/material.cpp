@@ -61,7 +61,8 @@ Tissue mix(const Tissue& a, const Tissue& b, double fraction_of_b) {
           mean(a.density, b.density),
           mean(a.integrity, b.integrity),
           mean(a.active_stress, b.active_stress),
-          mean(a.shrinkage, b.shrinkage)};
+          mean(a.shrinkage, b.shrinkage),
+          mean(a.guard, b.guard)};
 }
 
 }  // namespace sanatrix::mechanics

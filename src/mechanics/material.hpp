@@ -15,6 +15,7 @@ struct Tissue {
   double integrity = 1.0;         ///< 1 - damage, scales the isochoric part only
   double active_stress = 0.0;     ///< tau_f eta_f [Pa]
   double shrinkage = 0.0;         ///< 1 - J at which the pressure is zero
+  double guard = 1.0;             ///< multiplies a P1/P1 cell's own share of kappa (ADR 3 and 18)
 };
 
 /// Veronda-Westmann membrane, Eq. (10): W = alpha (exp(beta (I1 - 3)) - 1) + c2 (I2 - 3).

@@ -129,13 +129,15 @@ void save_shape(const SolvedShape& solved, const std::filesystem::path& file) {
   archive.reals["nodes"] = flatten(solved.shape.nodes);
   archive.reals["pressure"] = solved.shape.pressure;
   archive.reals["min_jacobian"] = {solved.min_jacobian};
+  archive.reals["wall_guard"] = {solved.wall_guard};
   archive.save(file);
 }
 
 SolvedShape load_shape(const std::filesystem::path& file) {
   const Archive archive = Archive::load(file);
   return {{unflatten(archive.real("nodes")), archive.real("pressure")},
-          archive.real("min_jacobian").at(0)};
+          archive.real("min_jacobian").at(0),
+          archive.real("wall_guard").at(0)};
 }
 
 void save_wound(const surgery::Wound& wound, const std::filesystem::path& file) {

@@ -20,6 +20,7 @@ meshing::BreastModel load_model(const std::filesystem::path& file);
 struct SolvedShape {
   mechanics::Shape shape;
   double min_jacobian = 1.0;
+  double wall_guard = 1.0;  ///< with which it was found (guard_wall); of the unloaded shape
 };
 void save_shape(const SolvedShape& solved, const std::filesystem::path& file);
 SolvedShape load_shape(const std::filesystem::path& file);

@@ -1,5 +1,7 @@
 #include "pipeline/body.hpp"
 
+#include <algorithm>
+
 namespace sanatrix::pipeline {
 namespace {
 
@@ -69,6 +71,15 @@ mechanics::Body make_body(const TetMesh& mesh, std::span<const double> fibroglan
   fix(body, "superior", fixed_z);
   fix(body, "inferior", fixed_z);
   return body;
+}
+
+void guard_wall(mechanics::Body& body, double guard) {
+  for (std::size_t c = 0; c < body.tissue.size(); ++c) {
+    const bool touches = std::ranges::any_of(body.mesh->cells[c], [&](int vertex) {
+      return body.fixed[static_cast<std::size_t>(vertex)] == fixed_xyz;
+    });
+    body.tissue[c].guard = touches ? guard : 1.0;
+  }
 }
 
 mechanics::SolveOptions solve_options(const Parameters& parameters) {

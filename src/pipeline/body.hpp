@@ -26,6 +26,8 @@ mechanics::Element element_of(const Parameters& parameters);
 /// skin. `fibroglandular`: volume fraction per cell. `mesh` must outlive the body.
 mechanics::Body make_body(const TetMesh& mesh, std::span<const double> fibroglandular,
                           const Parameters& parameters);
+/// Keeps the cells that touch the chest from folding: Tissue::guard of them (ADR 18).
+void guard_wall(mechanics::Body& body, double guard);
 mechanics::SolveOptions solve_options(const Parameters& parameters);
 
 }  // namespace sanatrix::pipeline

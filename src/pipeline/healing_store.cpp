@@ -117,8 +117,8 @@ std::vector<double> flatten(const std::vector<mechanics::Tissue>& tissue) {
   std::vector<double> numbers;
   numbers.reserve(numbers_per_tissue * tissue.size());
   for (const mechanics::Tissue& t : tissue) {
-    numbers.insert(numbers.end(),
-                   {t.c1, t.c2, t.kappa, t.density, t.integrity, t.active_stress, t.shrinkage});
+    numbers.insert(numbers.end(), {t.c1, t.c2, t.kappa, t.density, t.integrity, t.active_stress,
+                                   t.shrinkage, t.guard});
   }
   return numbers;
 }
@@ -127,7 +127,7 @@ std::vector<mechanics::Tissue> tissue_from(std::span<const double> numbers) {
   std::vector<mechanics::Tissue> tissue(numbers.size() / numbers_per_tissue);
   for (std::size_t i = 0; i < tissue.size(); ++i) {
     const auto v = numbers.subspan(numbers_per_tissue * i, numbers_per_tissue);
-    tissue[i] = {v[0], v[1], v[2], v[3], v[4], v[5], v[6]};
+    tissue[i] = {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]};
   }
   return tissue;
 }

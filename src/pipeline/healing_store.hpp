@@ -30,7 +30,7 @@ void save_history(const std::vector<recovery::HistoryRow>& history,
 std::vector<recovery::HistoryRow> load_history(const std::filesystem::path& file);
 
 // Tissue as rows of numbers, and their file.
-inline constexpr int numbers_per_tissue = 7;
+inline constexpr int numbers_per_tissue = 8;
 std::vector<double> flatten(const std::vector<mechanics::Tissue>& tissue);
 std::vector<mechanics::Tissue> tissue_from(std::span<const double> numbers);
 void save_tissue(std::vector<double> numbers, const std::filesystem::path& file);

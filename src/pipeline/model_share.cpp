@@ -10,13 +10,21 @@ mechanics::Shape whole_shape(const StageInput& in, Stage stage) {
   return in.writes ? load_shape(in.from(stage) / "shape.bin").shape : mechanics::Shape{};
 }
 
-ModelShare::ModelShare(const StageInput& in) {
+double wall_guard(const StageInput& in) {
+  std::vector<double> guard{in.writes ? load_shape(in.from(Stage::Unload) / "shape.bin").wall_guard
+                                      : 0.0};
+  fem::broadcast(guard);
+  return guard[0];
+}
+
+ModelShare::ModelShare(const StageInput& in, double wall_guard) {
   const Parameters& parameters = in.parameters();
   if (in.writes) {
     whole_ = load_model(in.from(Stage::Mesh) / "model.bin");
   }
   if (fem::ranks() == 1) {
     body_ = make_body(whole_.mesh, whole_.fibroglandular, parameters);
+    guard_wall(body_, wall_guard);
     return;
   }
   share_ = std::make_unique<const fem::MeshShare>(whole_.mesh);
@@ -27,6 +35,7 @@ ModelShare::ModelShare(const StageInput& in) {
                                fem::node_transfer(*share_, edges, whole_.mesh)});
   body_ = make_body(mesh, transfers_->cells.from_leader(whole_.fibroglandular, 1), parameters);
   body_.share = share_.get();
+  guard_wall(body_, wall_guard);
 }
 
 std::vector<double> ModelShare::distribute_vertices(std::vector<double> whole, int width) const {

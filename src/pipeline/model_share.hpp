@@ -20,16 +20,20 @@ namespace sanatrix::pipeline {
 /// The shape a stage left, on rank 0; empty elsewhere.
 mechanics::Shape whole_shape(const StageInput& in, Stage stage);
 
+/// The guard with which the unloaded shape was found, on every rank; the poses from it use the
+/// same.
+double wall_guard(const StageInput& in);
+
 /// All calls are collective but those that say otherwise.
 class ModelShare {
  public:
-  explicit ModelShare(const StageInput& in);
+  ModelShare(const StageInput& in, double wall_guard);
   ModelShare(const ModelShare&) = delete;
   ModelShare& operator=(const ModelShare&) = delete;
 
   /// On rank 0, empty elsewhere. Not collective.
   [[nodiscard]] const meshing::BreastModel& whole() const { return whole_; }
-  /// Of this rank's share. Not collective.
+  /// Of this rank's share, its cells on the wall guarded. Not collective.
   [[nodiscard]] const mechanics::Body& body() const { return body_; }
 
   // What rank 0 gives for the whole, on every rank for its share; `width` numbers per item.

@@ -13,7 +13,7 @@ const std::array<StageInfo, 9>& all_stages() {
       {Image, "image", "10-image", "A", "reading the images", 1, {}, {}, false},
       {Segment, "segment", "20-segment", "B", "segmenting", 5, {Image}, {"segment."}, false},
       {Mesh, "mesh", "30-mesh", "C-D", "meshing", 1, {Segment}, {"mesh."}, false},
-      {Unload, "unload", "40-unload", "E", "unloading", 1, {Mesh}, body, true},
+      {Unload, "unload", "40-unload", "E", "unloading", 2, {Mesh}, body, true},
       {Supine, "supine", "50-supine", "F", "supine pose", 1, {Mesh, Unload}, body, true},
       {Surgery, "surgery", "60-surgery", "G", "surgery", 1, {Mesh, Supine}, {"surgery."}, false},
       {Heal,

@@ -152,7 +152,7 @@ recovery::Problem make_problem(const Parameters& p, const mechanics::Body& body,
 
 StageNotes run_heal(const StageInput& in) {
   const Parameters& p = in.parameters();
-  const ModelShare model(in);
+  const ModelShare model(in, wall_guard(in));
   const mechanics::Body& body = model.body();
   const auto biology = healing::make_model(p.text("heal.preset"), p.list("heal.overrides"));
   const mechanics::Shape before = whole_shape(in, Stage::Supine);

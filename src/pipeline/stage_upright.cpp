@@ -72,7 +72,7 @@ std::string upright_before_key(const Case& patient) {
 }
 
 StageNotes run_upright(const StageInput& in) {
-  const ModelShare model(in);
+  const ModelShare model(in, wall_guard(in));
   const mechanics::Shape unloaded = whole_shape(in, Stage::Unload);
   const std::vector<Vec3> at_rest = model.distribute(unloaded).nodes;
   mechanics::Solver solver(model.body(), solve_options(in.parameters()));
