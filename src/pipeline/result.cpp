@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/files.hpp"
 #include "pipeline/json_object.hpp"
 #include "pipeline/standing_scan.hpp"
 
@@ -11,19 +12,20 @@ CaseResult load_result(const Case& patient) {
   const auto file = [&](Stage stage, const char* name) {
     return patient.stage_folder(stage) / name;
   };
-  CaseResult result{.model = load_model(file(Stage::Mesh, "model.bin")),
-                    .plan = patient.plan(),
-                    .wound = load_wound(file(Stage::Surgery, "wound.bin")),
-                    .unloaded = load_shape(file(Stage::Unload, "shape.bin")),
-                    .supine = load_shape(file(Stage::Supine, "shape.bin")),
-                    .healed = load_shape(file(Stage::Heal, "shape.bin")),
-                    .before = load_shape(file(Stage::Upright, "before.bin")),
-                    .after = load_shape(file(Stage::Upright, "after.bin")),
-                    .history = load_history(file(Stage::Heal, "history.bin")),
-                    .species = {},
-                    .frames = {},
-                    .landmarks = {},
-                    .standing = patient.scan_only()};
+  CaseResult result{
+      .model = load_model(file(Stage::Mesh, "model.bin")),
+      .plan = surgery::read_plan(read_text(file(Stage::Surgery, "plan.json")), "plan.json"),
+      .wound = load_wound(file(Stage::Surgery, "wound.bin")),
+      .unloaded = load_shape(file(Stage::Unload, "shape.bin")),
+      .supine = load_shape(file(Stage::Supine, "shape.bin")),
+      .healed = load_shape(file(Stage::Heal, "shape.bin")),
+      .before = load_shape(file(Stage::Upright, "before.bin")),
+      .after = load_shape(file(Stage::Upright, "after.bin")),
+      .history = load_history(file(Stage::Heal, "history.bin")),
+      .species = {},
+      .frames = {},
+      .landmarks = {},
+      .standing = patient.scan_only()};
   const auto biology = healing::make_model(patient.parameters.text("heal.preset"),
                                            patient.parameters.list("heal.overrides"));
   result.species.assign(biology->species().begin(), biology->species().end());

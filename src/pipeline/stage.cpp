@@ -15,7 +15,7 @@ const std::array<StageInfo, 9>& all_stages() {
       {Mesh, "mesh", "30-mesh", "C-D", "meshing", 1, {Segment}, {"mesh."}, false},
       {Unload, "unload", "40-unload", "E", "unloading", 2, {Mesh}, body, true},
       {Supine, "supine", "50-supine", "F", "supine pose", 1, {Mesh, Unload}, body, true},
-      {Surgery, "surgery", "60-surgery", "G", "surgery", 1, {Mesh, Supine}, {"surgery."}, false},
+      {Surgery, "surgery", "60-surgery", "G", "surgery", 2, {Mesh, Supine}, {"surgery."}, false},
       {Heal,
        "heal",
        "70-heal",

@@ -2,14 +2,29 @@
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "core/files.hpp"
 #include "pipeline/artefacts.hpp"
+#include "pipeline/case_view.hpp"
 #include "pipeline/level_set.hpp"
 #include "pipeline/stages.hpp"
 
 namespace sanatrix::pipeline {
+namespace {
+
+/// The plan as it is carried out. A standing breast hangs: what is straight and short in it bends
+/// and runs far on the table. So of a plan made on a standing scan the tumour goes to the table
+/// with the tissue, and the piece around it is laid there, as a surgeon would.
+surgery::Plan carried_out(const Case& patient) {
+  surgery::Plan plan = patient.plan();
+  return plan.frame == surgery::Frame::Upright
+             ? in_frame(plan, surgery::Frame::Supine, CaseView(patient))
+             : plan;
+}
+
+}  // namespace
 
 StageNotes run_surgery(const StageInput& in) {
-  const surgery::Plan plan = in.patient.plan();
+  const surgery::Plan plan = carried_out(in.patient);
   const meshing::BreastModel model = load_model(in.from(Stage::Mesh) / "model.bin");
   const mechanics::Shape supine = load_shape(in.from(Stage::Supine) / "shape.bin").shape;
   const std::span<const Vec3> supine_points = vertices(model.mesh, supine);
@@ -23,6 +38,7 @@ StageNotes run_surgery(const StageInput& in) {
                 "set a larger margin or a smaller mesh.near_edge_mm");
   }
   save_wound(wound, in.out / "wound.bin");
+  write_text(in.out / "plan.json", surgery::write_plan(plan));
 
   io::Fields fields;
   fields.cell.push_back(io::scalar_field("wound_fraction", wound.fraction));

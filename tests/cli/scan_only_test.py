@@ -54,6 +54,12 @@ class ScanOnly(CliTest):
         # Made of the scan, she must stand as in the scan again: 5 mm columns of the scan, elements
         # of about 10 mm over a radius of 40 mm (sagitta 0.3 mm), labels of 2 mm.
         self.assertLess(outcome["scans"]["preop"]["model_error"]["both_breasts"]["mean_mm"], 1.0)
+        # The piece is laid on the table around the tumour that came along, not bent from standing.
+        carried_out = json.loads((case / "stages/60-surgery/plan.json").read_text())
+        self.assertEqual(carried_out["frame"], "supine")
+        given = json.loads(next((case / "inputs").glob("plan*.json")).read_text())
+        self.assertGreater(math.dist(carried_out["tumour"]["centre_lps_mm"],
+                                     given["tumour"]["centre_lps_mm"]), 5)
         estimate = outcome["scan_only"]
         self.assertTrue(estimate["chest_wall"]["estimated"])
         self.assertGreater(estimate["breast_doubt_cm3"]["L"], 10)  # 4 mm over its base
