@@ -186,21 +186,6 @@ Stance refined(const TriMesh& coarse, const Mat3& rotation, const std::optional<
   const bool agree = dot(mirror.normal, along) > most_turn &&
                      std::abs(dot(mirror.normal, 1e-3 * middle) - mirror.offset_m) < most_shift_m;
   const Vec3 left = agree ? mirror.normal : along;
-  if (getenv("DBG")) {
-    auto L = [&](Vec3 x) {
-      Vec3 r{};
-      for (int a = 0; a < 3; ++a)
-        r[a] = rotation[0][a] * x[0] + rotation[1][a] * x[1] + rotation[2][a] * x[2];
-      return r;
-    };
-    Vec3 a1 = L(along), m1 = L(mirror.normal), v1 = L(trunk_axis(front, middle[0], middle[2]));
-    printf(
-        "DBG along %.3f %.3f %.3f mirror %.3f %.3f %.3f off %.1f axis %.3f %.3f %.3f score %.1f "
-        "pole %.2f agree %d\n",
-        a1[0], a1[1], a1[2], m1[0], m1[1], m1[2],
-        1e3 * (mirror.offset_m - dot(mirror.normal, 1e-3 * middle)), v1[0], v1[1], v1[2],
-        pair->score, pair->upper_pole, agree);
-  }
   const Mat3 turn = up ? axes(left, normalised(rotation * *up))
                        : keeping_left(left, trunk_axis(front, middle[0], middle[2]));
   return {turn * rotation, agree && !up ? std::optional(mirror.offset_m) : std::nullopt,

@@ -52,6 +52,16 @@ void expect_same(const Image3<T>& a, const Image3<T>& b) {
   }
 }
 
+std::string refusal(const fs::path& file) {
+  try {
+    read_image(file);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault(), Fault::Input);
+    return e.one_line();
+  }
+  return "accepted";
+}
+
 TEST_F(ImageFile, EveryFormatGivesBackVoxelsAndPlace) {
   for (const char* extension : {".nii.gz", ".nii", ".nrrd", ".mha"}) {
     SCOPED_TRACE(extension);
@@ -79,18 +89,9 @@ TEST_F(ImageFile, LabelsThatAreNotLabelsAreRefused) {
 }
 
 TEST_F(ImageFile, MissingForeignAndTruncatedFilesAreNamed) {
-  const auto message = [](const fs::path& file) {
-    try {
-      read_image(file);
-    } catch (const Error& e) {
-      EXPECT_EQ(e.fault(), Fault::Input);
-      return e.one_line();
-    }
-    return std::string("accepted");
-  };
-  EXPECT_THAT(message(folder_ / "absent.nii.gz"), HasSubstr("absent.nii.gz does not exist"));
+  EXPECT_THAT(refusal(folder_ / "absent.nii.gz"), HasSubstr("absent.nii.gz does not exist"));
   write_text(folder_ / "text.nii.gz", "not an image");
-  EXPECT_THAT(message(folder_ / "text.nii.gz"), HasSubstr("text.nii.gz"));
+  EXPECT_THAT(refusal(folder_ / "text.nii.gz"), HasSubstr("text.nii.gz"));
   Image3<float> image = oblique_image<float>();
   image.size = {50, 40, 30};
   image.voxels.resize(60000);
@@ -101,20 +102,11 @@ TEST_F(ImageFile, MissingForeignAndTruncatedFilesAreNamed) {
     write_image(image, folder_ / name);
     const std::string all = read_text(folder_ / name);
     write_text(folder_ / name, all.substr(0, all.size() / 2));
-    EXPECT_THAT(message(folder_ / name), HasSubstr(name));
+    EXPECT_THAT(refusal(folder_ / name), HasSubstr(name));
   }
 }
 
 TEST_F(ImageFile, HeadersThatMeanNoPlaceAreRefusedOnOneLine) {
-  const auto refusal = [](const fs::path& file) {
-    try {
-      read_image(file);
-    } catch (const Error& e) {
-      EXPECT_EQ(e.fault(), Fault::Input);
-      return e.one_line();
-    }
-    return std::string("accepted");
-  };
   // ITK aborts the process on a NIfTI affine that is not a number.
   write_image(oblique_image<float>(), folder_ / "a.nii");
   std::string bytes = read_text(folder_ / "a.nii");
