@@ -14,14 +14,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// The first trial of a step may raise the residual this much: a membrane that takes up load
+/// overshoots once and then converges in fewer iterations than with damped steps (measured: 12
+/// instead of 16).
+constexpr double allowed_growth = 10.0;
+
+// Unloading with P1/P1 only (docs/performance.md, unloading); loading, and Taylor-Hood, need the
+// freedom of full steps.
 /// No step may take more than the rest of a cell's volume (of the sought shape). A handful of cells
 /// at held edges would be turned inside out by the full step, and next to that their forces bury
-/// those of the whole body (docs/performance.md, unloading).
+/// those of the whole body.
 constexpr double kept_volume = 0.2;
-/// The first trial of a step may raise the residual this much, and no further than so many times
-/// the whole load: a membrane that takes up load overshoots once and then converges in fewer
-/// iterations than with damped steps (measured: 12 instead of 16), and single cells come back.
-constexpr double allowed_growth = 10.0;
+/// Nor may the first trial raise the residual further than so many times the whole load.
 constexpr double ceiling = 5.0;
 /// So many steps of which the search leaves less than this: a smaller load step takes less. Six are
 /// common where skin tightens, and worth it.
@@ -69,6 +73,7 @@ struct Solver::Impl {
   DiscreteBody discrete;
   SolveOptions options;
   SolveReport report;
+  Unknown unknown = Unknown::Deformed;  ///< of the solve that runs
 
   Impl(const Body& body, SolveOptions o) : discrete(body), options(o) {}
 
@@ -78,9 +83,13 @@ struct Solver::Impl {
                 Tangent tangent, std::vector<double>& r);
   double line_search(State& state, const std::vector<double>& direction,
                      const std::vector<double>& target, double share, std::vector<double>& r);
+  /// Is this a problem whose single cells would fold?
+  [[nodiscard]] bool folds() const {
+    return unknown == Unknown::Reference && discrete.body().element == Element::P1P1;
+  }
   State follow_load(State state, bool from_rest, const Context& ctx);
   [[noreturn]] void fail(double load) const;
-  Shape solve(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity, const Shape* guess,
+  Shape solve(Unknown sought, std::span<const Vec3> known, const Vec3& gravity, const Shape* guess,
               const Context& ctx);
 };
 
@@ -98,15 +107,17 @@ bool Solver::Impl::evaluate(const State& state, const std::vector<double>& targe
   return valid;
 }
 
-/// Backtracking on the norm of R - share * target from the largest step that spares every cell,
-/// generous to that one. Moves the state to a better one, with its residual and matrix. What the
-/// search left of that largest step, 0 where there is no better state.
+/// Backtracking on the norm of R - share * target from the full step, or the largest that spares
+/// every cell, generous to that one. Moves the state to a better one, with its residual and matrix.
+/// What the search left of that largest step, 0 where there is no better state.
 double Solver::Impl::line_search(State& state, const std::vector<double>& direction,
                                  const std::vector<double>& target, double share,
                                  std::vector<double>& r) {
   const double before = discrete.norm(r);
-  const double growth = std::clamp(ceiling * discrete.norm(target) / before, 1.0, allowed_growth);
-  const double most = discrete.share_within(state, direction, kept_volume);
+  const double growth =
+      folds() ? std::clamp(ceiling * discrete.norm(target) / before, 1.0, allowed_growth)
+              : allowed_growth;
+  const double most = folds() ? discrete.share_within(state, direction, kept_volume) : 1.0;
   for (double alpha = most; alpha >= smallest_step;) {
     State trial = discrete.moved(state, direction, alpha);
     // First trials are nearly always taken, and then their matrix is needed.
@@ -128,8 +139,9 @@ double Solver::Impl::line_search(State& state, const std::vector<double>& direct
 /// Solves R(state) = share * target. False when it does not converge; state is then unspecified.
 bool Solver::Impl::newton(State& state, const std::vector<double>& target, double share,
                           bool at_rest, Patience patience, const Context& ctx, double done) {
-  const double relative = share > 0.0 ? std::max(options.relative_tolerance, tolerance_on_the_way)
-                                      : options.relative_tolerance;
+  const double relative = folds() && share > 0.0
+                              ? std::max(options.relative_tolerance, tolerance_on_the_way)
+                              : options.relative_tolerance;
   const double tolerance = relative * discrete.load_scale();
   double first = 0.0;
   double previous = 0.0;
@@ -172,7 +184,7 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
     if (left == 0.0) {
       return false;
     }
-    crawls += left < crawl ? 1 : 0;
+    crawls += folds() && left < crawl ? 1 : 0;
   }
 }
 
@@ -206,7 +218,7 @@ State Solver::Impl::follow_load(State state, bool from_rest, const Context& ctx)
       state = std::move(trial);
       load = next;
       ++report.load_steps;
-      step *= report.newton_iterations - before <= quick ? 2.0 : 1.0;
+      step *= !folds() || report.newton_iterations - before <= quick ? 2.0 : 1.0;
       ctx.at(load, fmt::format("load {:.3g} %", 100.0 * load));
     } else {
       discrete.forget_factorisation();
@@ -246,11 +258,12 @@ void Solver::set_tolerance(double relative) {
 }
 
 /// From the guess or from rest.
-Shape Solver::Impl::solve(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity,
+Shape Solver::Impl::solve(Unknown sought, std::span<const Vec3> known, const Vec3& gravity,
                           const Shape* guess, const Context& ctx) {
   const auto start = std::chrono::steady_clock::now();
   report = {};
-  discrete.begin(unknown, known, gravity);
+  unknown = sought;
+  discrete.begin(sought, known, gravity);
   State state{{known.begin(), known.end()},
               std::vector<double>(discrete.body().mesh->points.size(), 0.0)};
   if (guess != nullptr) {
