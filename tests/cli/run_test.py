@@ -143,8 +143,10 @@ class Run(CliTest):
         while not checkpoint.exists():
             self.assertIsNone(process.poll(), "healing ended before it could be interrupted")
             time.sleep(0.01)
+        process.send_signal(signal.SIGSTOP)  # on a busy machine healing would end meanwhile
         self.refused(4, "run", case, says=["in use by process"])
         process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGCONT)
         _, stderr = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 5, stderr)
         self.assertIn(b"interrupted", stderr)
