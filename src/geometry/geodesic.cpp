@@ -126,12 +126,16 @@ std::vector<double> lengths_on(const TriMesh& surface, const Vec3& from, std::sp
 
 std::vector<double> lengths_along(const TriMesh& surface, const Vec3& from,
                                   std::span<const Vec3> to) {
-  // Ways on a torso are rarely longer than this, and most of a body need not be searched then.
-  std::vector<double> reach;
-  for (const Vec3& p : to) {
-    reach.push_back(1.5 * norm(p - from));
-  }
-  if (const TriMesh piece = piece_between(surface, from, to, reach); !piece.triangles.empty()) {
+  // Most of a body need not be searched: ways are seldom longer than this.
+  for (const double detour : {1.15, 1.5}) {
+    std::vector<double> reach;
+    for (const Vec3& p : to) {
+      reach.push_back(detour * norm(p - from));
+    }
+    const TriMesh piece = piece_between(surface, from, to, reach);
+    if (piece.triangles.empty()) {
+      break;
+    }
     std::vector<double> lengths = lengths_on(piece, from, to);
     if (std::ranges::equal(lengths, reach, std::ranges::less_equal{})) {
       return lengths;

@@ -97,15 +97,6 @@ ReactionDiffusion::~ReactionDiffusion() = default;
 void ReactionDiffusion::advance(double t_s, const Context& ctx,
                                 std::span<const double> record_times_s,
                                 const std::function<void()>& on_record) {
-  advance_while(t_s, ctx, record_times_s, [&] {
-    on_record();
-    return true;
-  });
-}
-
-void ReactionDiffusion::advance_while(double t_s, const Context& ctx,
-                                      std::span<const double> record_times_s,
-                                      const std::function<bool()>& goes_on) {
   Impl& im = *impl_;
   const double begin = im.time;
   ensure(t_s >= begin, "healing cannot go back from {} s to {} s", begin, t_s);
@@ -115,22 +106,18 @@ void ReactionDiffusion::advance_while(double t_s, const Context& ctx,
       if (*next_record > begin) {
         im.gather(*next_record);
       }
-      if (!goes_on()) {
-        return false;
-      }
+      on_record();
     }
-    return true;
   };
-  if (!record_until(begin) || t_s == begin) {
+  record_until(begin);
+  if (t_s == begin) {
     return;
   }
   im.stepper->start(begin, im.unknowns());
   for (double t = begin; t < t_s;) {
     t = im.stepper->step(t_s);
     ++im.steps;
-    if (!record_until(t)) {
-      return;
-    }
+    record_until(t);
     if (im.steps % im.steps_per_report == 0) {
       report(ctx, (t - begin) / (t_s - begin), t);
     }

@@ -42,9 +42,6 @@ class ReactionDiffusion {
   /// moment; this costs far less than one call per record.
   void advance(double t_s, const Context& ctx, std::span<const double> record_times_s = {},
                const std::function<void()>& on_record = {});
-  /// The same, but it ends at the first record after which the caller does not go on.
-  void advance_while(double t_s, const Context& ctx, std::span<const double> record_times_s,
-                     const std::function<bool()>& goes_on);
   [[nodiscard]] double time_s() const;
   /// vertices x species, ghosts of a share included; what checkpoints store.
   [[nodiscard]] const std::vector<double>& state() const;

@@ -28,12 +28,6 @@ struct Measured {
   double eta_mean, volume_ratio, max_displacement_mm, wall_displacement_mm, min_jacobian;
 };
 
-/// A day of a history row; on some, an equilibrium is looked for.
-struct Moment {
-  double day;
-  bool looks;
-};
-
 /// A history row to be, and the species (vertices x species) of a day that is observed without an
 /// equilibrium of its own.
 struct Sample {
@@ -79,7 +73,6 @@ class Recovery {
   [[nodiscard]] std::vector<mechanics::Tissue> tissue_now(bool traction) const;
   void solve_mechanics(bool traction, double density, double tolerance, const Context& ctx);
   [[nodiscard]] std::optional<mechanics::Shape> predicted(double density) const;
-  [[nodiscard]] std::vector<Moment> moments() const;
   void advance_species(std::vector<Sample>& samples, const Context& ctx);
   void operate(const Context& ctx);
   void continue_from(const Checkpoint& checkpoint);
@@ -210,47 +203,30 @@ void Recovery::continue_from(const Checkpoint& checkpoint) {
            row.min_jacobian};
 }
 
-/// Days of history rows, and days on which an equilibrium is looked for, until the end.
-std::vector<Moment> Recovery::moments() const {
-  const Schedule& schedule = problem_.schedule;
-  constexpr double same = 1e-9;
-  const double from = species_.time_s() / day_s;
-  const double end = schedule.days - same;
-  std::vector<Moment> days;
-  for (double k = 1.0; from + k * schedule.mechanics_interval_days < end; ++k) {
-    days.push_back({from + k * schedule.mechanics_interval_days, true});
-  }
-  days.push_back({schedule.days, true});
-  const std::size_t looked_for = days.size();
-  const double every = schedule.record_interval_days;
-  for (double k = std::floor(from / every + same) + 1.0; k * every < end; ++k) {
-    const auto taken = std::span(days).first(looked_for);
-    if (std::ranges::none_of(taken,
-                             [&](const Moment& m) { return std::abs(m.day - k * every) < same; })) {
-      days.push_back({k * every, false});
-    }
-  }
-  std::ranges::sort(days, {}, &Moment::day);
-  return days;
-}
-
-/// Until the next equilibrium is due: at the end, or when the wound has changed enough.
+/// Until the next equilibrium is due: at the end, or when the wound has changed enough. Species
+/// begin anew wherever one is looked for, or rounding would grow to the tolerance in long runs and
+/// ranks would disagree (docs/theory/healing.md).
 void Recovery::advance_species(std::vector<Sample>& samples, const Context& ctx) {
-  const std::vector<Moment> days = moments();
-  std::vector<double> times;
-  for (const Moment& m : days) {
-    times.push_back(m.day * day_s);
-  }
-  species_.advance_while(times.back(), ctx, times, [&] {
-    const Moment& now = days[samples.size()];
-    samples.push_back({record_species(), {}});
-    const double change = std::abs(samples.back().record.mean[0] - last_.eta_mean);
-    if (now.looks && change < problem_.schedule.mechanics_density_change) {
-      samples.back().species = species_.state();
-      return true;
+  const Schedule& schedule = problem_.schedule;
+  const double every = schedule.record_interval_days;
+  for (bool due = false; !due;) {
+    const double from = species_.time_s() / day_s;
+    const double to = std::min(schedule.days, from + schedule.mechanics_interval_days);
+    std::vector<double> times;
+    for (double k = std::floor(from / every + 1e-9) + 1.0; k * every < to - 1e-9; ++k) {
+      times.push_back(k * every * day_s);
     }
-    return !now.looks;
-  });
+    const auto note = [&] {
+      samples.push_back({record_species(), {}});
+    };
+    species_.advance(to * day_s, ctx.part(from / schedule.days, to / schedule.days), times, note);
+    note();
+    const double change = std::abs(samples.back().record.mean[0] - last_.eta_mean);
+    due = to >= schedule.days || change >= schedule.mechanics_density_change;
+    if (!due) {
+      samples.back().species = species_.state();
+    }
+  }
 }
 
 /// History rows, and shapes at the days that had no equilibrium of their own. Between two
@@ -277,11 +253,10 @@ void Recovery::look_back(const std::vector<Sample>& samples, const Measured& nex
 /// Species until the next equilibrium is due, and that equilibrium.
 void Recovery::step(const Context& ctx) {
   const double days = problem_.schedule.days;
-  const double from = species_.time_s() / day_s;
   std::vector<Sample> samples;
   const double start = now_s();
-  during(fmt::format("species after day {:g}", from),
-         [&] { advance_species(samples, ctx.part(from / days, 1.0)); });
+  during(fmt::format("species after day {:g}", species_.time_s() / day_s),
+         [&] { advance_species(samples, ctx); });
   result_.seconds_species += now_s() - start;
   const double day = samples.back().record.t_day;
   const double density = samples.back().record.mean[0];

@@ -39,7 +39,7 @@ struct Checkpoint {
   double wound_volume_m3 = 0.0;  ///< V0: after surgery, before cells pull
   std::vector<double> species;
   mechanics::Shape shape;
-  /// The shape of one mechanics step earlier and the mean cell density then (relative), for the
+  /// The shape of one equilibrium earlier and the mean cell density then (relative), for the
   /// prediction of the next; empty while there is none.
   mechanics::Shape earlier;
   double earlier_density = 0.0;
