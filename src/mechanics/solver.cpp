@@ -19,6 +19,10 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// instead of 16).
 constexpr double allowed_growth = 10.0;
 
+/// Shapes at less than the whole load are starts for the next ones only: of the residual that the
+/// load steps take away.
+constexpr double tolerance_on_the_way = 1e-3;
+
 // Unloading with P1/P1 only (docs/performance.md, unloading); loading, and Taylor-Hood, need the
 // freedom of full steps.
 /// No step may take more than the rest of a cell's volume (of the sought shape). A handful of cells
@@ -31,8 +35,6 @@ constexpr double ceiling = 5.0;
 /// common where skin tightens, and worth it.
 constexpr double crawl = 0.2;
 constexpr int allowed_crawls = 8;
-/// Shapes at less than the whole load are starts for the next ones only.
-constexpr double tolerance_on_the_way = 1e-3;
 /// A load step with at most this many iterations is followed by one of twice the size.
 constexpr int quick = 8;
 /// A step that lowers the residual to this share of it hardly changes the matrix.
@@ -144,10 +146,8 @@ double Solver::Impl::line_search(State& state, const std::vector<double>& direct
 /// Solves R(state) = share * target. False when it does not converge; state is then unspecified.
 bool Solver::Impl::newton(State& state, const std::vector<double>& target, double share,
                           bool at_rest, Patience patience, const Context& ctx, double done) {
-  const double relative = folds() && share > 0.0
-                              ? std::max(options.relative_tolerance, tolerance_on_the_way)
-                              : options.relative_tolerance;
-  const double tolerance = relative * discrete.load_scale();
+  const double on_the_way = share > 0.0 ? tolerance_on_the_way * discrete.norm(target) : 0.0;
+  const double tolerance = std::max(options.relative_tolerance * discrete.load_scale(), on_the_way);
   double first = 0.0;
   double previous = 0.0;
   int crawls = 0;
