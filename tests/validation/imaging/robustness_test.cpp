@@ -63,10 +63,11 @@ TEST_P(OtherAnatomy, IsSegmentedFromAnImageMadeOfItsLabels) {
 // 20 s each.
 INSTANTIATE_TEST_SUITE_P(
     Exams, OtherAnatomy,
-    ::testing::Values(
-        Exam{"Exam_15_detailed.nii.gz", false, {}},
-        Exam{"Exam_15_detailed.nii.gz", false, {.coil = {.decay_mm = 45.0, .floor = 0.2}}},
-        Exam{"Exam_25_detailed.nii.gz", false, {.coil = {}, .pixel_mm = 1.4, .slice = 4}}));
+    ::testing::Values(Exam{"Exam_15_detailed.nii.gz", false, {.coil = {}, .noise = 6.2}},
+                      Exam{"Exam_15_detailed.nii.gz",
+                           false,
+                           {.coil = {.decay_mm = 45.0, .floor = 0.2}, .noise = 6.2}},
+                      Exam{"Exam_25_detailed.nii.gz", false, {.coil = {}, .noise = 6.2}}));
 
 // Of the gland only what is thick is left, as in a fatty breast. 20 s.
 TEST(FattyBreast, IsNotTakenForADenseOne) {
