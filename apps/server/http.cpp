@@ -218,7 +218,7 @@ struct HttpServer::Impl {
     if (auto refusal = handler.refuse(*request)) {
       co_return co_await send(c, std::move(*refusal), false);
     }
-    const auto problem = co_await read_body(c, parser, *request);
+    auto problem = co_await read_body(c, parser, *request);
     if (problem) {
       co_return co_await send(c, std::move(*problem), false);
     }

@@ -6,7 +6,7 @@
 
 #include "healing/system.hpp"
 
-struct _p_Vec;  // PETSc's Vec is a pointer to this
+struct _p_Vec;  // PETSc's Vec is a pointer to this  NOLINT(bugprone-reserved-identifier)
 
 namespace sanatrix::healing {
 

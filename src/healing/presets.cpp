@@ -47,7 +47,7 @@ nlohmann::json resolved(const std::string& preset) {
     throw Error(Fault::Input, fmt::format("there is no healing preset '{}'", preset),
                 fmt::format("known are {}", fmt::join(preset_names(), ", ")));
   }
-  const auto own = nlohmann::json::parse(file->second);
+  auto own = nlohmann::json::parse(file->second);
   if (!own.contains("based_on")) {
     return own;
   }

@@ -146,7 +146,8 @@ void check_upright(const LabelImage& labels) {
     const auto label = static_cast<Label>(labels.voxels[voxel]);
     if (label == Label::Lung || label == Label::Organ) {
       const std::size_t which = label == Label::Lung ? 0 : 1;
-      sum[which] += static_cast<double>(voxel / slice);
+      const std::size_t k = voxel / slice;
+      sum[which] += static_cast<double>(k);
       count[which] += 1.0;
     }
   }

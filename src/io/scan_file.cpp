@@ -136,9 +136,9 @@ class ObjCopy {
       if (key == "mtllib") {
         photographs_.merge(read_mtl(companion(from_, rest)));
       } else if (key == "usemtl") {
-        body += "usemtl " + number_of(rest) + "\n";
+        body.append("usemtl ").append(number_of(rest)).append("\n");
       } else if (key == "v" || key == "vt" || key == "f") {
-        body += key + " " + rest + "\n";
+        body.append(key).append(" ").append(rest).append("\n");
       }
     }
     if (!photographs_.empty()) {

@@ -231,7 +231,7 @@ fs::path companion(const fs::path& scan, const std::string& name) {
   std::ranges::replace(portable, '\\', '/');
   const fs::path folder = fs::weakly_canonical(fs::absolute(scan)).parent_path();
   const fs::path named(portable);
-  const fs::path there = fs::weakly_canonical(folder / named);
+  fs::path there = fs::weakly_canonical(folder / named);
   const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), there.begin(), there.end());
   if (named.is_absolute() || end != folder.end() || portable.find(':') != std::string::npos) {
     throw Error(Fault::Input,

@@ -70,12 +70,10 @@ void mark_breast(BreastMap& breasts, const Vec3& nipple_mm, const AnatomyOptions
   const ColumnMap& map = breasts.prominence;
   Mask raised{.size = {map.size[0], map.size[1], 1}, .voxels = {}};
   for (std::size_t c = 0; c < map.value.size(); ++c) {
-    const double x =
-        map.origin_mm[0] +
-        static_cast<double>(c % static_cast<std::size_t>(map.size[0])) * map.spacing_mm;
-    const double z =
-        map.origin_mm[1] +
-        static_cast<double>(c / static_cast<std::size_t>(map.size[0])) * map.spacing_mm;
+    const std::size_t column = c % static_cast<std::size_t>(map.size[0]);
+    const std::size_t row = c / static_cast<std::size_t>(map.size[0]);
+    const double x = map.origin_mm[0] + static_cast<double>(column) * map.spacing_mm;
+    const double z = map.origin_mm[1] + static_cast<double>(row) * map.spacing_mm;
     const bool mine = (x > options.midline_x_mm) == (side > 0) &&
                       std::hypot(x - nipple_mm[0], z - nipple_mm[2]) <= options.breast_reach_mm;
     raised.voxels.push_back(mine && map.value[c] > footprint_prominence_mm ? 1 : 0);

@@ -333,7 +333,7 @@ Alignment align(const StandingSkin& patient, const TriMesh& scan,
   constexpr double search_edge_m = 0.006;
   const Candidate first = start ? Candidate{inverse(*start), {}, far_m}
                                 : search(patient, ScanTarget(coarsened(scan, search_edge_m)));
-  const Alignment found = align_from(first, patient, ScanTarget(scan));
+  Alignment found = align_from(first, patient, ScanTarget(scan));
   // A scan of the same woman agrees within a few millimetres where skin hardly moves.
   constexpr double worst_median_m = 0.008, least_overlap = 0.5;
   if (found.median_m > worst_median_m || found.overlap < least_overlap) {

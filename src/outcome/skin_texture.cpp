@@ -26,7 +26,8 @@ struct Atlas {
   /// Pixel positions of the corners of a triangle, from the lower left of the picture.
   [[nodiscard]] std::array<std::array<double, 2>, 3> corners(std::size_t triangle) const {
     const auto place = static_cast<int>(triangle / 2);
-    const double x = place % columns * cell, y = place / columns * cell;
+    const int column = place % columns, row = place / columns;
+    const double x = column * cell, y = row * cell;
     const double first = 1.0, last = cell - 3.0;  // leaves the diagonal to the other half
     if (triangle % 2 == 0) {
       return {{{x + first, y + first}, {x + last, y + first}, {x + first, y + last}}};

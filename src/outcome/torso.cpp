@@ -131,7 +131,7 @@ Vec3 extreme(const std::vector<Vec3>& points, const Vec3& direction) {
 /// Mean squared distance along the normals of the mirrored still skin from itself, per unit area.
 class MirrorFit {
  public:
-  explicit MirrorFit(const Torso& torso) : torso_(torso), target_(torso.skin) {
+  explicit MirrorFit(const Torso& torso) : target_(torso.skin) {
     const std::vector<double> areas = vertex_areas(torso.skin);
     const std::vector<bool> border = border_vertices(torso.skin);
     for (std::size_t v = 0; v < torso.skin.points.size(); ++v) {
@@ -180,7 +180,6 @@ class MirrorFit {
   }
 
  private:
-  const Torso& torso_;
   ScanTarget target_;
   std::vector<Vec3> points_;
   std::vector<double> weights_;

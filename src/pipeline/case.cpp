@@ -28,7 +28,7 @@ constexpr int format_version = 1;
 /// One of the extensions of single-file images, or Error{Input}.
 std::string image_extension(const fs::path& file) {
   const std::string name = file.filename().string();
-  for (const std::string known : {".nii.gz", ".nii", ".nrrd", ".mha"}) {
+  for (std::string known : {".nii.gz", ".nii", ".nrrd", ".mha"}) {
     if (name.ends_with(known)) {
       return known;
     }

@@ -44,7 +44,7 @@ std::string JsonObject::text(const std::string& key) const {
 
 std::string JsonObject::choice(const std::string& key,
                                const std::vector<std::string>& choices) const {
-  const std::string given = text(key);
+  std::string given = text(key);
   require(std::ranges::find(choices, given) != choices.end(), "{}: '{}' is not one of: {}",
           name(key), given, fmt::join(choices, ", "));
   return given;

@@ -160,7 +160,7 @@ std::string write_phantom(const phantom::Phantom& p, const phantom::Options& opt
                {"excised_cm3", 1e6 * p.excised_m3},
                {"upright_after_max_mm", largest_change_mm(p.skin)},
                {"mesh", {{"vertices", p.mesh.points.size()}, {"cells", p.mesh.cells.size()}}}};
-  const std::string text = j.dump(2) + "\n";
+  std::string text = j.dump(2) + "\n";
   write_text(truth / "truth.json", text);
   return text;
 }

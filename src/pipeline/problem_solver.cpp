@@ -287,7 +287,7 @@ std::string solve_problem(SolveProblem& problem, const fs::path& out, Team& team
       j["seconds"]["mechanics"] = s.recovery->seconds_mechanics;
     }
     j["peak_memory_mb"] = peak_memory_mb();
-    const std::string text = j.dump(2) + "\n";
+    std::string text = j.dump(2) + "\n";
     if (team.leads()) {
       write_text(result_file, text);
     }

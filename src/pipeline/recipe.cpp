@@ -22,7 +22,7 @@ std::string describe(const FocusRule& rule) {
 std::string Recipe::fingerprint() const {
   std::string text;
   for (const auto& [name, value] : entries) {
-    text += name + '\n' + value + '\n';
+    text.append(name).append("\n").append(value).append("\n");
   }
   return sha256_of_text(text);
 }

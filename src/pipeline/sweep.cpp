@@ -184,7 +184,7 @@ void flatten(const json& value, const std::string& name, std::map<std::string, d
     columns[name] = value.get<double>();
   } else if (value.is_object()) {
     for (const auto& [key, inner] : value.items()) {
-      flatten(inner, name.empty() ? key : name + "." + key, columns);
+      flatten(inner, name.empty() ? key : fmt::format("{}.{}", name, key), columns);
     }
   }
 }
@@ -359,7 +359,7 @@ std::string collect(const Sweep& sweep) {
                                            {"status", "missing"}});
   }
   write_text(sweep.out / "results.csv", csv(sweep, rows));
-  const std::string text =
+  std::string text =
       json{{"sweep", sweep.file.filename().string()}, {"results", rows}}.dump(2) + "\n";
   write_text(sweep.out / "results.json", text);
   return text;

@@ -67,7 +67,7 @@ void forget_signal_handlers() {
 class Child {
  public:
   template <class Work>
-  explicit Child(Work&& work) : parent_(::getpid()), pid_(::fork()) {
+  explicit Child(const Work& work) : parent_(::getpid()), pid_(::fork()) {
     ensure(pid_ >= 0, "no new process: {}", std::strerror(errno));
     if (pid_ == 0) {
       // When the caller is killed the child must go too; it may be gone already.

@@ -141,9 +141,10 @@ Sheet::Sheet(std::size_t panels, int columns, int width, int height, bool with_b
   window_->SetAlphaBitPlanes(1);
   window_->SetSize(columns * width, rows * height);
   for (int i = 0; i < static_cast<int>(panels); ++i) {
-    const double x0 = static_cast<double>(i % columns) / columns;
-    const double x1 = static_cast<double>(i % columns + 1) / columns;
-    const double y1 = 1.0 - static_cast<double>(i / columns) / rows;
+    const int column = i % columns, row = i / columns;
+    const double x0 = static_cast<double>(column) / columns;
+    const double x1 = static_cast<double>(column + 1) / columns;
+    const double y1 = 1.0 - static_cast<double>(row) / rows;
     const double y0 = y1 - 1.0 / rows;
     const double split = with_bars ? y0 + legend_share / rows : y0;
     PanelView panel;

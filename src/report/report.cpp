@@ -72,7 +72,7 @@ void write_surfaces(const Findings& f, Photographs photographs, const fs::path& 
 
 std::optional<std::string> print_pdf(const fs::path& folder, const Context& ctx) {
   const fs::path profile = folder / ".browser";
-  const auto reason = run_external(
+  auto reason = run_external(
       "chromium",
       {"--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-extensions",
        "--disable-background-networking", "--user-data-dir=" + fs::absolute(profile).string(),
