@@ -378,26 +378,4 @@ void MeshShare::fetch(std::span<double> per_vertex, int width) const {
   MPI_Type_free(&row);
 }
 
-double sum(const MeshShare* share, double mine) {
-  return share == nullptr ? mine : sum(mine);
-}
-void sum_each(const MeshShare* share, std::span<double> mine) {
-  if (share != nullptr) {
-    sum_each(mine);
-  }
-}
-double largest(const MeshShare* share, double mine) {
-  return share == nullptr ? mine : largest(mine);
-}
-
-ShareSizes sizes(const MeshShare& share) {
-  const std::size_t all = share.vertex().size();
-  double own = 0.0;
-  for (std::size_t v = 0; v < all; ++v) {
-    own += owns_vertex(&share, v) ? 1.0 : 0.0;
-  }
-  const double ghosts = static_cast<double>(all) - own;
-  return {static_cast<int>(largest(own)), static_cast<int>(largest(ghosts)), sum(ghosts) / ranks()};
-}
-
 }  // namespace sanatrix::fem

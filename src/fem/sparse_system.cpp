@@ -18,6 +18,13 @@ constexpr int max_direct_iterations = 60;
 constexpr int max_iterations = 200;
 /// Below this many unknowns a factorisation costs next to nothing.
 constexpr int small_system = 3000;
+/// Above this many unknowns a factorisation takes more memory than a workstation has to spare (14
+/// GiB and more at 600 thousand), and longer than the smaller load steps that do without it.
+constexpr int large_system = 150'000;
+/// Of the pressure mass over mu that stands in for the pressure block of Taylor-Hood. The whole of
+/// it pulls the factors away from the true system (twice the iterations); a twentieth no longer
+/// keeps their pivots from zero (docs/performance.md, Taylor-Hood).
+constexpr double standing_in = 0.2;
 
 }  // namespace
 
@@ -179,7 +186,8 @@ bool SparseSystem::Impl::run(KSP solver, double relative_tolerance, int limit,
 }
 
 /// The matrix the incomplete factors are made of. Taylor-Hood has no pressure block to speak of:
-/// minus a pressure mass over mu, spectrally equivalent to its Schur complement, stands in.
+/// a share of minus a pressure mass over mu, spectrally equivalent to its Schur complement, stands
+/// in.
 Mat SparseSystem::Impl::conditioning_matrix() {
   if (pressure_mass.empty()) {
     return matrix.petsc();
@@ -191,7 +199,7 @@ Mat SparseSystem::Impl::conditioning_matrix() {
     for (std::size_t r = 0; r < node_of_row.size(); ++r) {
       const std::size_t n = node_of_row[r];
       if ((fixed[n] & 8) == 0) {
-        matrix.add_to_pressure_diagonal(static_cast<int>(r), sign * pressure_mass[n]);
+        matrix.add_to_pressure_diagonal(static_cast<int>(r), sign * standing_in * pressure_mass[n]);
       }
     }
     if (sign < 0.0) {
@@ -328,7 +336,8 @@ LinearReport SparseSystem::solve(std::span<const double> b, double relative_tole
   impl_->levels_stale = impl_->levels_stale || change == MatrixChange::Large;
   impl_->copy_in(b, impl_->rhs);
   LinearReport report;
-  if (!impl_->solve_by_levels(relative_tolerance, report)) {
+  const bool affordable = block * impl_->layout.total <= large_system;
+  if (!impl_->solve_by_levels(relative_tolerance, report) && affordable) {
     impl_->solve_directly(relative_tolerance, report);
   }
   impl_->copy_out(impl_->solution, x);

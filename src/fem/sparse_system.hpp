@@ -70,7 +70,8 @@ class SparseSystem {
 
   /// x = A^-1 b by GMRES. First choice is the two-level preconditioner (incomplete factors of the
   /// node blocks and a coarse space of rigid motions); where that fails, and for small systems, the
-  /// last MUMPS factorisation is used while it is good enough.
+  /// last MUMPS factorisation is used while it is good enough. Not so for large systems, where a
+  /// failure is reported: factors would not fit in memory.
   LinearReport solve(std::span<const double> b, double relative_tolerance, MatrixChange change,
                      std::vector<double>& x);
   /// The next solve starts with a fresh preconditioner: a run that is resumed here takes the same

@@ -19,6 +19,10 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// instead of 16).
 constexpr double allowed_growth = 10.0;
 
+/// Shapes at less than the whole load are starts for the next ones only: of the residual that the
+/// load steps take away.
+constexpr double tolerance_on_the_way = 1e-3;
+
 // Unloading with P1/P1 only (docs/performance.md, unloading); loading, and Taylor-Hood, need the
 // freedom of full steps.
 /// No step may take more than the rest of a cell's volume (of the sought shape). A handful of cells
@@ -31,8 +35,6 @@ constexpr double ceiling = 5.0;
 /// common where skin tightens, and worth it.
 constexpr double crawl = 0.2;
 constexpr int allowed_crawls = 8;
-/// Shapes at less than the whole load are starts for the next ones only.
-constexpr double tolerance_on_the_way = 1e-3;
 /// A load step with at most this many iterations is followed by one of twice the size.
 constexpr int quick = 8;
 /// A step that lowers the residual to this share of it hardly changes the matrix.
@@ -82,7 +84,8 @@ struct Solver::Impl {
   bool evaluate(const State& state, const std::vector<double>& target, double share,
                 Tangent tangent, std::vector<double>& r);
   double line_search(State& state, const std::vector<double>& direction,
-                     const std::vector<double>& target, double share, std::vector<double>& r);
+                     const std::vector<double>& target, double share, std::vector<double>& r,
+                     double enough, bool is_last);
   /// Is this a problem whose single cells would fold?
   [[nodiscard]] bool folds() const {
     return unknown == Unknown::Reference && discrete.body().element == Element::P1P1;
@@ -108,11 +111,12 @@ bool Solver::Impl::evaluate(const State& state, const std::vector<double>& targe
 }
 
 /// Backtracking on the norm of R - share * target from the full step, or the largest that spares
-/// every cell, generous to that one. Moves the state to a better one, with its residual and matrix.
-/// What the search left of that largest step, 0 where there is no better state.
+/// every cell, generous to that one. Moves the state to a better one, with its residual and, unless
+/// that is at most `enough`, its matrix. is_last: the full step is expected to be enough. What the
+/// search left of that largest step, 0 where there is no better state.
 double Solver::Impl::line_search(State& state, const std::vector<double>& direction,
                                  const std::vector<double>& target, double share,
-                                 std::vector<double>& r) {
+                                 std::vector<double>& r, double enough, bool is_last) {
   const double before = discrete.norm(r);
   const double growth =
       folds() ? std::clamp(ceiling * discrete.norm(target) / before, 1.0, allowed_growth)
@@ -122,11 +126,14 @@ double Solver::Impl::line_search(State& state, const std::vector<double>& direct
     State trial = discrete.moved(state, direction, alpha);
     // First trials are nearly always taken, and then their matrix is needed.
     const bool first = alpha == most;
-    const bool valid = evaluate(trial, target, share, first ? Tangent::Exact : Tangent::None, r);
+    const bool with_matrix = first && !is_last;
+    const bool valid =
+        evaluate(trial, target, share, with_matrix ? Tangent::Exact : Tangent::None, r);
     const double after = valid ? discrete.norm(r) : 0.0;
     if (valid && after < (first ? growth : 1.0 - 1e-3 * alpha) * before) {
       state = std::move(trial);
-      return first || evaluate(state, target, share, Tangent::Exact, r) ? alpha / most : 0.0;
+      const bool complete = with_matrix || after <= enough;
+      return complete || evaluate(state, target, share, Tangent::Exact, r) ? alpha / most : 0.0;
     }
     // The quadratic through the merit at 0 (slope -2 before^2) and alpha, kept within [0.25, 0.5].
     const double ratio = valid ? after / before : 0.0;
@@ -139,10 +146,8 @@ double Solver::Impl::line_search(State& state, const std::vector<double>& direct
 /// Solves R(state) = share * target. False when it does not converge; state is then unspecified.
 bool Solver::Impl::newton(State& state, const std::vector<double>& target, double share,
                           bool at_rest, Patience patience, const Context& ctx, double done) {
-  const double relative = folds() && share > 0.0
-                              ? std::max(options.relative_tolerance, tolerance_on_the_way)
-                              : options.relative_tolerance;
-  const double tolerance = relative * discrete.load_scale();
+  const double on_the_way = share > 0.0 ? tolerance_on_the_way * discrete.norm(target) : 0.0;
+  const double tolerance = std::max(options.relative_tolerance * discrete.load_scale(), on_the_way);
   double first = 0.0;
   double previous = 0.0;
   int crawls = 0;
@@ -169,6 +174,9 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
     const double forcing =
         it == 0 ? 1e-2 : std::min(1e-2, 0.9 * (now / previous) * (now / previous));
     const double linear = std::max({forcing, 0.1 * tolerance / now, 1e-8});
+    // Quadratic convergence, but for what the linear solver leaves.
+    const double ratio = it == 0 ? 1.0 : now / previous;
+    const bool is_last = now * std::max(linear, ratio * ratio) <= tolerance;
     const auto change =
         it > 0 && now < quiet * previous ? fem::MatrixChange::Small : fem::MatrixChange::Large;
     previous = now;
@@ -180,7 +188,9 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
     report.krylov_iterations += solved.iterations;
     report.factorisations += solved.factorised ? 1 : 0;
     ++report.newton_iterations;
-    const double left = solved.converged ? line_search(state, direction, target, share, r) : 0.0;
+    const double left = solved.converged
+                            ? line_search(state, direction, target, share, r, tolerance, is_last)
+                            : 0.0;
     if (left == 0.0) {
       return false;
     }
