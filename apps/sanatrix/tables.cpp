@@ -62,6 +62,33 @@ json parameters_json() {
   return list;
 }
 
+namespace {
+
+/// What an error of the chest wall does to the numbers above it.
+std::string wall_range_text(const json& o) {
+  const json range = o.value("wall_range", json());
+  if (range.is_null()) {
+    return {};
+  }
+  const auto between = [&](const char* key, int digits) {
+    const json& r = range.at(json::json_pointer(key));
+    return fmt::format("{:.{}f}-{:.{}f}", r.at("low").get<double>(), digits,
+                       r.at("high").get<double>(), digits);
+  };
+  std::string text = fmt::format(
+      "chest wall +-{:g} mm       skin moves max {} mm, mean {} mm; breast L {}, R {} cm3\n",
+      range.at("moved_mm").get<double>(), between("/max_displacement_upright_mm", 1),
+      between("/mean_displacement_upright_mm", 2), between("/breast_volume_cm3/L", 0),
+      between("/breast_volume_cm3/R", 0));
+  for (const auto& [variant, error] : range.at("failed").items()) {
+    text +=
+        fmt::format("chest wall {}        not computed: {}\n", variant, error.get<std::string>());
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string outcome_text(const json& o) {
   const auto number = [&](const char* key) {
     return o.at(key).get<double>();
@@ -81,6 +108,7 @@ std::string outcome_text(const json& o) {
       number("max_displacement_upright_mm"), number("mean_displacement_upright_mm"),
       100.0 * o.at("discretisation_error").at("relative").get<double>(), number("min_jacobian"),
       o.at("mesh").at("vertices").get<int>(), o.at("mesh").at("cells").get<int>());
+  text += wall_range_text(o);
   double total = 0.0;
   text += "seconds                 ";
   for (const pipeline::StageInfo& stage : pipeline::all_stages()) {

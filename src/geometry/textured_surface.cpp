@@ -30,6 +30,24 @@ std::array<double, 3> Photograph::at(double u, double v) const {
   return colour;
 }
 
+double photograph_sense(const TexturedSurface& surface) {
+  double sum = 0, total = 0;
+  for (std::size_t t = 0; t < surface.corners.size(); ++t) {
+    const auto& [a, b, c] = surface.corners[t];
+    const double turn = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    if (std::isnan(turn) || turn == 0) {
+      continue;
+    }
+    const auto& [i, j, k] = surface.mesh.triangles[t];
+    const Vec3& p = surface.mesh.points[static_cast<std::size_t>(i)];
+    const double area = norm(cross(surface.mesh.points[static_cast<std::size_t>(j)] - p,
+                                   surface.mesh.points[static_cast<std::size_t>(k)] - p));
+    sum += std::copysign(area, turn);
+    total += area;
+  }
+  return total > 0 ? sum / total : 0.0;
+}
+
 SeamlessSurface split_at_seams(const TexturedSurface& surface) {
   SeamlessSurface result;
   const auto bits = [](float value) {

@@ -31,6 +31,10 @@ struct TexturedSurface {
   [[nodiscard]] bool has_photograph() const { return !photograph.empty() && !corners.empty(); }
 };
 
+/// How the photograph lies on the surface seen from outside, by area: 1 as taken, -1 as in a
+/// mirror, 0 without a photograph.
+double photograph_sense(const TexturedSurface& surface);
+
 /// The same surface with one texture coordinate per point: points on seams become several.
 struct SeamlessSurface {
   TriMesh mesh;

@@ -153,7 +153,9 @@ class Cleaner {
     }
     inside_out_ = bulge < 0;
     if (inside_out_) {
-      notes_.emplace_back("the scan was inside out; it has been turned");
+      notes_.emplace_back(
+          "the scan was inside out and has been turned; if a mirror or a negative scale did that, "
+          "left and right are swapped");
     }
   }
 

@@ -171,7 +171,15 @@ void indicator_to_distance(Image3<float>& image, double sigma_mm) {
   }
 }
 
-/// The thorax as an indicator, kept least_tissue_mm below the skin.
+/// The thorax as labelled, flanks that face sideways included.
+Image3<float> labelled_thorax(const LabelImage& labels) {
+  const Mask wall = largest_wall(labels);
+  Image3<float> thorax = image_like<float>(labels);
+  std::ranges::copy(wall.voxels, thorax.voxels.begin());
+  return thorax;
+}
+
+/// The thorax behind a front without gaps, as an indicator, kept least_tissue_mm below the skin.
 Image3<float> thorax_indicator(const LabelImage& labels, const ColumnMap& chest_y,
                                const Image3<float>& body_distance) {
   Image3<float> thorax = image_like<float>(labels);
@@ -268,7 +276,8 @@ Anatomy find_anatomy(const LabelImage& labels, const AnatomyOptions& options, co
   anatomy.box = choose_box(labels, anatomy.breasts, options);
   ctx.at(0.4, "skin and chest wall");
   const Image3<float> body_distance = signed_distance(body, {true, true, true}, thickness_limit_mm);
-  anatomy.behind_chest = thorax_indicator(labels, chest_y, body_distance);
+  anatomy.behind_chest = options.wall_is_whole ? labelled_thorax(labels)
+                                               : thorax_indicator(labels, chest_y, body_distance);
   ctx.at(0.6);
 
   Mask thorax = image_like<unsigned char>(labels);

@@ -68,6 +68,7 @@ struct AnatomyOptions {
   RollingBall ball{};
   double breast_reach_mm = 1e3;  ///< from the nipple, seen from the front
   double above_mm = 25.0;        ///< of the model above what clearly stands forward
+  bool wall_is_whole = false;    ///< labels show all of the chest wall, without gaps or noise
 };
 
 /// labels: isotropic, LPS. Throws Error{Input} without chest wall or breasts.

@@ -1,6 +1,7 @@
 // Plans of a surgeon without an image: where the tumour lies as seen from the nipple.
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -13,8 +14,21 @@ namespace {
 
 using nlohmann::json;
 
+/// Of a quadrant ("upper outer"), the middle of its hours; nothing for other words.
+std::optional<double> quadrant_hour(const json& plan, bool left) {
+  const std::string quadrant = plan.value("quadrant", "");
+  const bool upper = quadrant.starts_with("upper"), lower = quadrant.starts_with("lower");
+  const bool outer = quadrant.ends_with("outer"), inner = quadrant.ends_with("inner");
+  if (!(upper || lower) || !(outer || inner)) {
+    return std::nullopt;
+  }
+  const double right_hand = upper ? 1.5 : 4.5;  // the patient's left is on the right hand
+  return left == outer ? right_hand : 12.0 - right_hand;
+}
+
 /// Hours on the clock face as one sees it who faces the patient; the same for both breasts.
 double clock_hour(const json& tumour, const json& plan, bool left, const std::string& name) {
+  const std::optional<double> quadrant = quadrant_hour(plan, left);
   if (tumour.contains("clock")) {
     const json& clock = tumour["clock"];
     double hour = -1, minute = 0;
@@ -28,17 +42,19 @@ double clock_hour(const json& tumour, const json& plan, bool left, const std::st
     }
     require(hour >= 0 && hour <= 13, "{}: tumour.clock is {}; write an hour such as 2 or \"10:30\"",
             name, clock.dump());
+    // An hour beyond its border a quadrant may still be called by its name.
+    const double apart = quadrant ? std::abs(std::remainder(hour - *quadrant, 12.0)) : 0.0;
+    require(apart <= 2.5,
+            "{}: {} o'clock is not {} of the patient's {} breast (clock as seen facing her, 3 is "
+            "her left); correct operated_side, tumour.clock or quadrant",
+            name, clock.dump(), plan.value("quadrant", ""), left ? "left" : "right");
     return hour;
   }
-  const std::string quadrant = plan.value("quadrant", "");
-  const bool upper = quadrant.starts_with("upper"), lower = quadrant.starts_with("lower");
-  const bool outer = quadrant.ends_with("outer"), inner = quadrant.ends_with("inner");
-  require((upper || lower) && (outer || inner),
+  require(quadrant.has_value(),
           "{}: neither tumour.clock nor a quadrant (upper outer, lower inner, ...) says in which "
           "direction from the nipple the tumour lies",
           name);
-  const double right_hand = upper ? 1.5 : 4.5;  // the patient's left is on the right hand
-  return left == outer ? right_hand : 12.0 - right_hand;
+  return *quadrant;
 }
 
 double length_mm(const json& tumour, const char* key, double low, double high,

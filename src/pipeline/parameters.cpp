@@ -40,6 +40,8 @@ void add_geometry(std::vector<ParameterInfo>& t) {
   t.push_back(number("segment.wall_depth_mm", "16", 4, 40, "mm",
                      "soft tissue over the chest wall beside the breasts; for cases from a scan "
                      "alone"));
+  t.push_back(number("segment.wall_shift_mm", "0", -15, 15, "mm",
+                     "moves the chest wall, deeper when positive: to see what its error does"));
   t.push_back(choice("mesh.preset", {"standard", "paper"},
                      "standard: about 10,000 vertices; paper: about 5,000 vertices", "standard"));
   t.push_back(integer("mesh.target_vertices", "", 500, 2e6,
@@ -107,6 +109,9 @@ void add_treatment(std::vector<ParameterInfo>& t) {
   t.push_back(number("heal.relative_tolerance", "1e-4", 1e-10, 1e-2, "", "of cvode"));
   t.push_back(choice("outcome.scan_unit", {"guess", "mm", "cm", "in", "m"},
                      "unit of length of the surface scans; guess: by their size", "guess"));
+  t.push_back(choice("outcome.wall_range", {"no", "yes"},
+                     "range of the outcome from the doubt about the chest wall: two more runs",
+                     "no"));
   t.push_back(choice("outcome.pictures", {"yes", "no"}, "make PNG pictures", "yes"));
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "pipeline/stages.hpp"
+#include "pipeline/wall_range.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -86,6 +87,9 @@ void run_case(const Case& patient, const RunOptions& options, Monitor& monitor, 
       continue;
     }
     try {
+      if (stage == Stage::Outcome) {
+        run_wall_variants(patient, monitor, team, stop);
+      }
       during(info(stage).name,
              [&] { run_stage(patient, info(stage), forced, monitor, team, stop); });
     } catch (const Error& e) {

@@ -14,6 +14,7 @@
 #include "pipeline/result.hpp"
 #include "pipeline/scans.hpp"
 #include "pipeline/stages.hpp"
+#include "pipeline/wall_range.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -189,6 +190,7 @@ StageNotes run_outcome(const StageInput& in) {
   }
   const Cosmetics cosmetics = cosmetics_of(result, skin);
   j["cosmetics"] = cosmetics_json(cosmetics);
+  add_wall_range(in.patient, j);
   write_text(in.out / "metrics.csv", cosmetics_csv(cosmetics));
   if (scans.followup) {
     write_text(in.out / "table1.csv", table1_csv(*scans.followup));
@@ -200,6 +202,11 @@ StageNotes run_outcome(const StageInput& in) {
     if (const auto reason = write_pictures(result, in.out, in.ctx)) {
       notes.warnings.push_back("no pictures: " + *reason);
     }
+  }
+  if (in.patient.scan_only() && j["wall_range"].is_null()) {
+    notes.warnings.emplace_back(
+        "what the unknown chest wall does to the displacements was not computed; run --set "
+        "outcome.wall_range=yes (two more runs)");
   }
   j["warnings"] = collect_warnings(in.patient);
   for (const std::string& warning : notes.warnings) {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/files.hpp"
+#include "imaging/moved_wall.hpp"
 #include "io/image_file.hpp"
 #include "pipeline/segmentation_store.hpp"
 #include "pipeline/stages.hpp"
@@ -54,7 +55,8 @@ double gland_share(const std::string& density) {
 imaging::Segmentation from_scan(const StageInput& in, StageNotes& notes) {
   const StandingScan scan = load_standing_scan(in.patient);
   const std::string density = in.parameters().text("segment.density");
-  const double depth_mm = in.parameters().number("segment.wall_depth_mm");
+  const double depth_mm = in.parameters().number("segment.wall_depth_mm") +
+                          in.parameters().number("segment.wall_shift_mm");
   standing::StandingBody body =
       standing::build_body(scan.skin, scan.nipple,
                            {.spacing_mm = in.parameters().number("segment.spacing_mm"),
@@ -68,8 +70,7 @@ imaging::Segmentation from_scan(const StageInput& in, StageNotes& notes) {
                 {{"estimated", true},
                  {"depth_beside_breasts_mm", depth_mm},
                  {"doubt_mm", standing::wall_doubt_mm}}},
-               {"breast_cm3", sides(body.breast_cm3)},
-               {"breast_doubt_cm3", sides(body.breast_doubt_cm3)},
+               {"breast_volume_doubt_cm3", sides(body.breast_doubt_cm3)},
                {"density_class", density},
                {"fibroglandular_share", gland_share(density)},
                {"scan_unit", scan.unit},
@@ -86,8 +87,8 @@ imaging::Segmentation from_scan(const StageInput& in, StageNotes& notes) {
       "no image: tissue is taken as an even mixture, {:.0f} % fibroglandular (density class {})",
       100 * gland_share(density), density));
   warnings.insert(warnings.end(), scan.notes.begin(), scan.notes.end());
-  notes.numbers = {{"breast_right_cm3", body.breast_cm3[0]},
-                   {"breast_left_cm3", body.breast_cm3[1]},
+  notes.numbers = {{"labelled_breast_right_cm3", body.breast_cm3[0]},
+                   {"labelled_breast_left_cm3", body.breast_cm3[1]},
                    {"scan_not_seen_share", body.unseen_share}};
   return std::move(body.segmentation);
 }
@@ -96,13 +97,17 @@ imaging::Segmentation from_scan(const StageInput& in, StageNotes& notes) {
 
 StageNotes run_segment(const StageInput& in) {
   StageNotes notes;
-  const imaging::Segmentation segmentation =
+  imaging::Segmentation segmentation =
       in.patient.inputs.contains("labels")
           ? imaging::segment_given_labels(in.patient.input("labels"),
                                           imaging::parse_label_preset(in.patient.label_preset),
                                           in.parameters().number("segment.spacing_mm"), in.ctx)
       : in.patient.scan_only() ? from_scan(in, notes)
                                : from_image(in, notes);
+  const double shift_mm = in.parameters().number("segment.wall_shift_mm");
+  if (shift_mm != 0 && !in.patient.scan_only()) {
+    imaging::move_wall(segmentation, shift_mm);
+  }
   save_segmentation(segmentation, in.out);
   notes.warnings = segmentation.warnings;
   notes.numbers.emplace_back("midline_x_mm", segmentation.midline_x_mm);

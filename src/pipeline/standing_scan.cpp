@@ -94,21 +94,60 @@ standing::ScanLandmarks read_marks(const std::string& json_text, const std::stri
   }
 }
 
+namespace {
+
+/// Software lays photographs on a scan as they were taken; only a mirror turns them over. Returns
+/// what is to be said about the sides.
+std::string check_sides(const TexturedSurface& scan) {
+  constexpr double clearly = 0.5;
+  const double sense = photograph_sense(scan);
+  if (sense < -clearly) {
+    throw Error(Fault::Input,
+                "scan: its photograph lies on the skin as in a mirror: the scan was mirrored and "
+                "left and right are swapped",
+                "export it again without a mirror or a negative scale; if the sides are right, "
+                "leave the photographs away");
+  }
+  return sense > clearly ? "left and right are those of the photograph; compare scars and moles"
+                         : "nothing in the scan tells left from right if it was mirrored: compare "
+                           "scars and moles with the patient";
+}
+
+}  // namespace
+
 void find_standing_frame(Case& patient) {
-  const io::Scan scan = io::read_scan(
-      patient.input("scan"), io::parse_scan_unit(patient.parameters.text("outcome.scan_unit")));
   standing::ScanLandmarks marks;
   if (patient.inputs.contains("scan_landmarks")) {
     marks = read_marks(read_text(patient.input("scan_landmarks")), "scan landmarks");
   }
-  const standing::ScanFrame frame =
-      during("scan", [&] { return standing::find_frame(scan.surface, marks); });
+  const io::ScanUnit asked = io::parse_scan_unit(patient.parameters.text("outcome.scan_unit"));
+  io::Scan scan = io::read_scan(patient.input("scan"), asked);
+  const std::string about_sides = check_sides(scan.surface);
+  const auto find = [&] {
+    return during("scan", [&] { return standing::find_frame(scan.surface, marks); });
+  };
+  standing::ScanFrame frame;
+  try {
+    frame = find();
+  } catch (const Error& in_centimetres) {
+    // The size of a small trunk in centimetres is that of a wide one in inches.
+    if (asked != io::ScanUnit::Guess || scan.unit != "cm" || marks.nipple[0] || marks.nipple[1]) {
+      throw;
+    }
+    try {
+      scan = io::read_scan(patient.input("scan"), io::ScanUnit::Inch);
+      frame = find();
+    } catch (const Error&) {
+      throw in_centimetres;
+    }
+  }
   json j{{"unit", scan.unit},
          {"unit_asked", patient.parameters.text("outcome.scan_unit")},
          {"scan_to_patient_lps_mm", to_json(frame.to_patient)},
          {"nipple_lps_mm", {{"R", 1e3 * frame.nipple[0]}, {"L", 1e3 * frame.nipple[1]}}},
          {"nipples", {{"R", to_json(frame.nipple_find[0])}, {"L", to_json(frame.nipple_find[1])}}},
          {"notes", frame.notes}};
+  j["notes"].push_back(about_sides);
   for (const std::string& note : scan.notes) {
     j["notes"].push_back(note);
   }

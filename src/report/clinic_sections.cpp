@@ -61,6 +61,30 @@ std::string range_in_words(const Findings& f) {
   return text + ". ";
 }
 
+/// What is not known of the chest wall, in millimetres of skin.
+std::string wall_in_words(const Findings& f) {
+  const json& range = f.outcome.at("wall_range");
+  if (range.is_null()) {
+    return f.patient.scan_only()
+               ? "The chest wall is not seen in a scan; what that does to these numbers was not "
+                 "computed (run --set outcome.wall_range=yes). "
+               : "";
+  }
+  const auto between = [&](const char* key) {
+    return fmt::format("{} to {}", shown(range.at(key).at("low")), shown(range.at(key).at("high")));
+  };
+  std::string text = fmt::format(
+      "With the chest wall {:g} mm nearer to the skin or deeper, the skin would move by {} mm on "
+      "average and {} mm at most. ",
+      range.at("moved_mm").get<double>(), between("mean_displacement_upright_mm"),
+      between("max_displacement_upright_mm"));
+  for (const auto& [variant, error] : range.at("failed").items()) {
+    text += fmt::format("With the wall {} no prediction was possible: {}. ", variant,
+                        escaped(error.get<std::string>()));
+  }
+  return text;
+}
+
 /// One sentence that does not promise more than the model knows.
 std::string in_short(const Findings& f) {
   const double mean = f.outcome.at("mean_displacement_upright_mm");
@@ -73,11 +97,28 @@ std::string in_short(const Findings& f) {
   if (nipple != nullptr && !nipple->at("change").is_null()) {
     text += fmt::format(", the nipple by {} mm", shown(nipple->at("change")));
   }
-  text += ". " + range_in_words(f);
+  text += ". " + range_in_words(f) + wall_in_words(f);
   return text +
          "Small numbers can lie within what a photograph or a landmark repeats to; the table "
          "below greys them. Real outcomes vary: radiotherapy, infection, fluid in the wound and "
          "changes of weight are not part of this prediction.";
+}
+
+/// ", 466-613 by the doubt about the chest wall"
+std::string breast_range(const Findings& f, const char* side) {
+  double low = 0, high = 0;
+  if (const json& range = f.outcome.at("wall_range"); !range.is_null()) {
+    low = range.at("breast_volume_cm3").at(side).at("low");
+    high = range.at("breast_volume_cm3").at(side).at("high");
+  } else if (f.patient.scan_only()) {
+    const double volume = f.outcome.at("breast_volume_cm3").at(side);
+    const double doubt = f.outcome.at("scan_only").at("breast_volume_doubt_cm3").at(side);
+    low = volume - doubt;
+    high = volume + doubt;
+  } else {
+    return {};
+  }
+  return fmt::format(", {:.0f}-{:.0f} by the doubt about the chest wall", low, high);
 }
 
 const char* group_title(const std::string& group) {
@@ -139,14 +180,17 @@ class Footnotes {
   std::vector<std::string> texts_;
 };
 
-/// What the change may become if the wound shrinks less or more.
-std::string range_of_change(const json& m, int digits) {
-  const json& range = m.at("change_range");
-  if (range.is_null() || range.at("high") == range.at("low")) {
-    return {};
+/// What the change may become if the wound shrinks less or more, or the chest wall lies elsewhere.
+std::string ranges_of_change(const json& m, int digits) {
+  std::string text;
+  for (const auto& [key, why] : {std::pair{"change_range", ""}, {"wall_range", "wall: "}}) {
+    const json& range = m.at(key);
+    if (!range.is_null() && range.at("high") != range.at("low")) {
+      text += fmt::format("<br><span class=\"quiet\">{}{} to {}</span>", why,
+                          shown(range.at("low"), digits), shown(range.at("high"), digits));
+    }
   }
-  return fmt::format("<br><span class=\"quiet\">{} to {}</span>", shown(range.at("low"), digits),
-                     shown(range.at("high"), digits));
+  return text;
 }
 
 std::string metric_row(const json& m, Footnotes& footnotes) {
@@ -164,7 +208,7 @@ std::string metric_row(const json& m, Footnotes& footnotes) {
       escaped(m.at("name").get<std::string>()), unit.empty() ? "" : " [" + escaped(unit) + "]",
       with_range(m, "before", "before_range", digits),
       with_range(m, "after", "after_range", digits), shown(m.at("change"), digits),
-      (m.at("below_noise").get<bool>() ? " (noise)" : "") + range_of_change(m, digits),
+      (m.at("below_noise").get<bool>() ? " (noise)" : "") + ranges_of_change(m, digits),
       escaped(m.at("reference").get<std::string>()), source);
 }
 
@@ -206,7 +250,7 @@ std::string plan_section(const Findings& f, const fs::path& outcome) {
       fact(fmt::format(
                "{:.0f} cm&sup3;",
                f.outcome.at("breast_volume_cm3").at(p.side == "LEFT" ? "L" : "R").get<double>()),
-           "volume of the breast") +
+           "volume of the breast" + breast_range(f, p.side == "LEFT" ? "L" : "R")) +
       "</ul>";
   for (const json& warning : f.outcome.at("warnings")) {
     html += "<p><strong>Note:</strong> " + escaped(warning.get<std::string>()) + "</p>";
@@ -240,7 +284,8 @@ std::string metrics_section(const Findings& f) {
       "the "
       "change. In brackets 5-95 % when landmarks are placed 2.5 mm (sd) off. Grey: the change is "
       "smaller than what such a measurement repeats to, so it must not be read as real. Below the "
-      "change: from a wound that shrinks little to one that shrinks strongly.</p>"
+      "change: from a wound that shrinks little to one that shrinks strongly, and, where it was "
+      "computed, with the chest wall nearer to the skin and deeper.</p>"
       "<div class=\"wide\"><table><thead><tr><th>index</th><th class=\"n\">before</th><th "
       "class=\"n\">after</th><th class=\"n\">change</th><th>what is usual, definition, "
       "noise</th></tr></thead><tbody>\n";

@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "outcome/scan_target.hpp"
 #include "standing/breast_pair.hpp"
+#include "standing/marks.hpp"
 #include "standing/mirror.hpp"
 #include "standing/nipples.hpp"
 
@@ -22,7 +23,7 @@ constexpr double least_score = 8.0;
 constexpr double still_mm = 6.0;
 constexpr double most_turn = 0.94;  // cosine of 20 degrees
 /// Cameras are levelled: an axis of the scanner this near to the body's axis is the vertical.
-constexpr double level_deg = 15.0;
+constexpr double level_deg = 25.0;
 
 /// Rows: the patient's left, back, up, as directions of the scan.
 Mat3 axes(const Vec3& left_about, const Vec3& up) {
@@ -247,7 +248,8 @@ Stance best_stance(const TriMesh& coarse, const std::vector<Vec3>& fronts,
     throw Error(Fault::Input,
                 "no two breasts side by side are found on the scan, so it is not known how the "
                 "patient stands in it",
-                "give a scan of the bare trunk, or mark the nipples and the sternal notch "
+                "give a scan of the bare trunk, without wall or chair, or mark the nipples and the "
+                "sternal notch "
                 "(--scan-landmarks)");
   }
   return best;
@@ -270,6 +272,7 @@ ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
   const TriMesh coarse = outcome::coarsened(scan.mesh, search_edge_m);
   ScanFrame frame;
   const bool marked = marks.nipple[0] && marks.nipple[1] && marks.sternal_notch;
+  check_marks(coarse, marks);
   const std::optional<Vec3> up = marks.up ? std::optional(normalised(*marks.up)) : std::nullopt;
   Stance stance = marked ? refined(coarse, marked_rotation(marks), up) : found_stance(coarse, up);
   if (const Stance again = refined(coarse, stance.rotation, up);
@@ -279,7 +282,7 @@ ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
   if (!up) {
     const auto level = level_of(stance.rotation[2]);
     frame.notes.push_back(
-        level ? "the vertical is the scanner's axis, which the trunk follows within 15 degrees"
+        level ? "the vertical is the scanner's axis, which the trunk follows within 25 degrees"
               : "the vertical is the trunk's own axis; it may be 10 degrees off (mark \"up\" to be "
                 "sure)");
     if (level) {
@@ -287,6 +290,7 @@ ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
     }
   }
   locate_nipples(scan, stance.rotation, stance.middle_x_m, marks, frame);
+  check_marks(frame, marks);
   return frame;
 }
 

@@ -1,4 +1,5 @@
 """From a surface scan alone to the outcome. Usage: scan_only_test.py PROGRAM"""
+import base64
 import json
 import math
 
@@ -37,6 +38,10 @@ def write_scan(path, unit=1.0, rise=50.0, coloured=False, keep=lambda x, z: True
     path.write_text(text + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces))
 
 
+# A PNG of one grey pixel.
+PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNoaGgAAAMEAYFL09IQAAAA"
+    "AElFTkSuQmCC")
 PLAN = {"operated_side": "L", "planned_margin_mm": 8,
         "tumour": {"clock": "1:30", "from_nipple_mm": 25, "depth_mm": 22, "diameter_mm": 12}}
 
@@ -62,7 +67,7 @@ class ScanOnly(CliTest):
                                      given["tumour"]["centre_lps_mm"]), 5)
         estimate = outcome["scan_only"]
         self.assertTrue(estimate["chest_wall"]["estimated"])
-        self.assertGreater(estimate["breast_doubt_cm3"]["L"], 10)  # 4 mm over its base
+        self.assertGreater(estimate["breast_volume_doubt_cm3"]["L"], 10)  # 4 mm over its base
         self.assertTrue([w for w in outcome["warnings"] if "chest wall is estimated" in w])
         # All of the breast, and nothing else, is the mixture.
         tissue = outcome["tissue_cm3"]["L"]
@@ -79,6 +84,34 @@ class ScanOnly(CliTest):
         self.assertGreater(x, left[0])  # half past one of the left breast: up and out
         self.assertGreater(z, left[2])
         self.assertGreater(y, left[1])
+
+    def test_the_chest_wall_gives_a_range(self):
+        scan, plan, case = (self.folder / name for name in ["torso.obj", "plan.json", "case"])
+        write_scan(scan)
+        plan.write_text(json.dumps(PLAN))
+        self.run_ok("new", case, "--scan", scan, "--pose", "upright", "--plan", plan)
+        self.run_ok("run", case, *QUICK)
+        alone = outcome_of(case)
+        healed = (case / "stages/70-heal/stage.json").read_bytes()
+        self.assertIsNone(alone["wall_range"])
+        self.assertTrue([w for w in alone["warnings"] if "outcome.wall_range=yes" in w])
+        made = self.run_ok("run", case, "--set", "outcome.wall_range=yes")
+        self.assertIn("chest wall +-7 mm", made.stdout)
+        outcome = outcome_of(case)
+        # Only the outcome is made anew, and its own numbers stay.
+        self.assertEqual((case / "stages/70-heal/stage.json").read_bytes(), healed)
+        key = "mean_displacement_upright_mm"
+        self.assertEqual(outcome[key], alone[key])
+        wall = outcome["wall_range"]
+        self.assertEqual(wall["failed"], {})
+        self.assertLessEqual(wall[key]["low"], alone[key])
+        self.assertLess(wall[key]["low"], wall[key]["high"])
+        # 7 mm up and down over a base of at least one deviation of the bump, 36 by 41 mm on average:
+        # pi 3.6 4.1 1.4 = 65 cm3.
+        volume = wall["breast_volume_cm3"]["L"]
+        self.assertGreater(volume["high"] - volume["low"], 65)
+        self.assertLess(volume["low"], outcome["breast_volume_cm3"]["L"])
+        self.assertGreater(volume["high"], outcome["breast_volume_cm3"]["L"])
 
     def frame(self, case):
         name = json.loads((case / "case.json").read_text())["inputs"]["scan_frame"]["file"]
@@ -139,6 +172,40 @@ class ScanOnly(CliTest):
         self.refused(2, "new", case, "--scan", scan, "--pose", "upright", "--plan", silent,
                      says=["tumour.clock"])
         self.assertFalse(case.exists())
+
+    def test_left_and_right_that_contradict_each_other(self):
+        scan, case = self.folder / "torso.obj", self.folder / "case"
+        write_scan(scan)
+        words = ["new", case, "--scan", scan, "--pose", "upright"]
+        marks, plan = self.folder / "marks.json", self.folder / "plan.json"
+
+        def mark(**at):
+            marks.write_text(json.dumps({"landmarks_scan_mm": {
+                name: [x, z + 1200, -skin(x, z)] for name, (x, z) in at.items()}}))
+            return [*words, "--landmarks", marks]
+
+        self.refused(2, *mark(nipple_L=(-85, 0)), says=["nipple_L lies on the patient's right"])
+        self.refused(2, *mark(nipple_L=(-85, 0), nipple_R=(85, 0), sternal_notch=(0, 150)),
+                     says=["look backwards", "mirrored"])
+        marks.write_text(json.dumps({"landmarks_scan_mm": {"nipple_L": [8.5, 120.0, -5.0]}}))
+        self.refused(2, *words, "--landmarks", marks, says=["nipple_L", "off the scanned skin"])
+        plan.write_text(json.dumps({**PLAN, "quadrant": "upper inner"}))  # left, half past one: outer
+        self.refused(2, *words, "--plan", plan, says=["1:30", "upper inner", "left breast"])
+        # As drawn the photograph's left is her right: only a mirror does that.
+        (self.folder / "torso.mtl").write_text("newmtl skin\nmap_Kd skin.png\n")
+        (self.folder / "skin.png").write_bytes(PIXEL)
+        text = "mtllib torso.mtl\nusemtl skin\n" + scan.read_text()
+        points = [line.split() for line in text.splitlines() if line.startswith("v ")]
+        for flip, refused in [(-1, True), (1, False)]:
+            placed = "".join(f"vt {0.5 + flip * float(p[1]) / 400} {(float(p[2]) - 1000) / 400}\n"
+                             for p in points)
+            faces = "".join("f " + " ".join(f"{v}/{v}" for v in line.split()[1:]) + "\n"
+                            if line.startswith("f ") else line + "\n" for line in text.splitlines())
+            scan.write_text(placed + faces)
+            if refused:
+                self.refused(2, *words, says=["mirror", "photograph"])
+            else:
+                self.run_ok(*words)
 
 
 if __name__ == "__main__":

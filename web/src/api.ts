@@ -15,6 +15,13 @@ export interface Metric {
   before_range: [number, number] | null; after_range: [number, number] | null;
   below_noise: boolean; noise_floor: number; noise_source: string; reference: string; source: string;
 }
+export interface Range { low: number; high: number }
+/** What the doubt about the chest wall does to numbers of the outcome. */
+export interface WallRange {
+  moved_mm: number; failed: Record<string, string>; breast_volume_cm3: Record<Side, Range>;
+  excised_cm3: Range; excised_percent: Range; resection_to_chest_mm: Range;
+  max_displacement_upright_mm: Range; mean_displacement_upright_mm: Range;
+}
 export interface Outcome {
   excised_cm3: number; excised_percent: number; operated_side: Side;
   breast_volume_cm3: Record<Side, number>;
@@ -23,6 +30,8 @@ export interface Outcome {
   max_displacement_upright_mm: number; mean_displacement_upright_mm: number;
   min_jacobian: number; warnings: string[];
   cosmetics?: { metrics?: Metric[] };
+  wall_range?: WallRange | null;
+  scan_only?: { breast_volume_doubt_cm3?: Record<Side, number> };
   discretisation_error?: { percent?: number; [key: string]: unknown };
   [key: string]: unknown;
 }

@@ -184,6 +184,7 @@ export const text = {
     before: 'Before', after: 'After three months',
     moved: 'Skin displacement', arrows: (times: number) => `Arrows (${times} × length)`,
     measure: 'Measure', was: 'Before', value: 'After',
+    wallError: 'The range is what the doubt about the chest wall does (docs/theory/outcome.md, section 5)',
     moreIndices: 'More indices', meshError: 'Error of the mesh alone (recovered gradients); tissue values and images come on top',
     photograph: 'Show her own skin (photograph)', makeReport: 'Make the report',
     excised: 'Excised tissue', share: 'Share of the breast', skin: 'Least tissue left to skin', chest: 'Least tissue left to chest wall',

@@ -31,3 +31,20 @@ test('an index that is a change only shows the change, with a real minus, and no
 test('a missing number is a dash, never zero', () => {
   expect(rowsOf({ ...outcome, resection_to_skin_mm: undefined as unknown as number }).some((r) => r.value === '–')).toBe(true);
 });
+
+test('the doubt about the chest wall is a range of its own, and from a scan alone the volumes have one anyway', () => {
+  const shown = (o: typeof outcome, label: string) => rowsOf(o).find((r) => r.label.startsWith(label))?.range;
+  const range = (low: number, high: number) => ({ low, high });
+  const wall_range = {
+    moved_mm: 7, failed: {}, breast_volume_cm3: { L: range(466, 613), R: range(450, 600) },
+    excised_cm3: range(37, 52), excised_percent: range(8, 9), resection_to_chest_mm: range(2, 16),
+    max_displacement_upright_mm: range(1.26, 1.28), mean_displacement_upright_mm: range(0.29, 0.36),
+  };
+  expect(shown({ ...outcome, wall_range }, 'Mean skin')).toBe('0.3 … 0.4');
+  const breast = rowsOf(outcome).find((r) => r.label.includes('eft'))!.label;
+  expect(shown({ ...outcome, wall_range }, breast)).toBe('466 … 613');
+  const volume = outcome.breast_volume_cm3.L;
+  const scan_only = { breast_volume_doubt_cm3: { L: 40, R: 40 } };
+  expect(shown({ ...outcome, scan_only }, breast)).toBe(`${(volume - 40).toFixed(0)} … ${(volume + 40).toFixed(0)}`);
+  expect(shown(outcome, breast)).toBeUndefined();
+});

@@ -1,5 +1,5 @@
 // The rows of the table of measures: what was done, then the cosmetic indices before and after.
-import type { Metric, Outcome } from '../api';
+import type { Metric, Outcome, Range, Side } from '../api';
 import { capital, text } from '../text';
 
 export interface Row { label: string; before?: string; value: string; range?: string; noise?: boolean; note?: string; first?: boolean }
@@ -18,12 +18,22 @@ export function rowsOf(o: Outcome): Row[] {
   const mesh = (o.discretisation_error as { max_displacement_upright_mm?: number } | undefined)?.max_displacement_upright_mm;
   const most = row(t.maxMove, o.max_displacement_upright_mm, 'mm', 1, o.max_displacement_upright_mm < noise_mm);
   if (typeof mesh === 'number') Object.assign(most, { range: `± ${mesh.toFixed(1)}`, note: t.meshError });
+  const wall = o.wall_range ?? null;
+  const withWall = (r: Row, range: Range | undefined, digits = 1): Row => (range ? { ...r,
+    range: [r.range, `${shown(range.low, '', digits)} … ${shown(range.high, '', digits)}`].filter(Boolean).join('; '),
+    note: [r.note, t.wallError].filter(Boolean).join('. ') } : r);
+  const breast = (label: string, side: Side): Row => {
+    const volume = o.breast_volume_cm3[side], doubt = o.scan_only?.breast_volume_doubt_cm3?.[side];
+    const around = typeof doubt === 'number' ? { low: volume - doubt, high: volume + doubt } : undefined;
+    return withWall(row(label, volume, 'cm³', 0), wall?.breast_volume_cm3[side] ?? around, 0);
+  };
   return [
-    row(t.excised, o.excised_cm3, 'cm³'), row(t.share, o.excised_percent, '%'),
-    row(t.volumeLeft, o.breast_volume_cm3.L, 'cm³', 0), row(t.volumeRight, o.breast_volume_cm3.R, 'cm³', 0),
-    row(t.skin, o.resection_to_skin_mm, 'mm'), row(t.chest, o.resection_to_chest_mm, 'mm'),
+    withWall(row(t.excised, o.excised_cm3, 'cm³'), wall?.excised_cm3), withWall(row(t.share, o.excised_percent, '%'), wall?.excised_percent),
+    breast(t.volumeLeft, 'L'), breast(t.volumeRight, 'R'),
+    row(t.skin, o.resection_to_skin_mm, 'mm'), withWall(row(t.chest, o.resection_to_chest_mm, 'mm'), wall?.resection_to_chest_mm),
     row(t.woundFinal, 100 * o.wound_volume_ratio_final, '%', 0),
-    most, row(t.meanMove, o.mean_displacement_upright_mm, 'mm', 1, o.mean_displacement_upright_mm < noise_mm),
+    withWall(most, wall?.max_displacement_upright_mm),
+    withWall(row(t.meanMove, o.mean_displacement_upright_mm, 'mm', 1, o.mean_displacement_upright_mm < noise_mm), wall?.mean_displacement_upright_mm),
     ...(o.cosmetics?.metrics ?? []).filter((m) => m.key !== 'excised_pct').map(index)
       .sort((a, b) => Number(b.first) - Number(a.first)),
   ];
