@@ -1,5 +1,6 @@
 #include "fem/session.hpp"
 
+#include <cstdlib>
 #include <numeric>
 
 #include <petscsys.h>
@@ -9,7 +10,9 @@
 namespace sanatrix::fem {
 
 Session::Session() {
-  // One process may run without mpirun; root is allowed because containers run as root.
+  // One process may run without mpirun: Open MPI then need not start a daemon for processes that
+  // join later.
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   ensure(PetscInitializeNoArguments() == 0, "PETSc did not start");
   PetscPopSignalHandler();  // Ctrl-C and crashes are handled by the command
   PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);  // codes become Error, not pages of text

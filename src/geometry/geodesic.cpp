@@ -60,14 +60,27 @@ std::array<double, 3> weights_at(const std::array<Vec3, 3>& t, const Vec3& p) {
   return {w[0] / sum, w[1] / sum, w[2] / sum};
 }
 
-/// Triangles with a corner within a distance of a point.
-TriMesh piece_around(const TriMesh& surface, const Vec3& centre, double reach) {
+/// What a way of at most lengths[i] from a point to another, to[i], can cross: it stays within the
+/// ellipsoid with these foci, and so does some point of every triangle that it crosses.
+TriMesh piece_between(const TriMesh& surface, const Vec3& from, std::span<const Vec3> to,
+                      std::span<const double> lengths) {
+  const auto within = [&](const std::array<int, 3>& t) {
+    const auto corner = [&](std::size_t k) {
+      return surface.points[static_cast<std::size_t>(t[k % 3])];
+    };
+    double edge = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      edge = std::max(edge, norm(corner(k + 1) - corner(k)));
+    }
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      if (norm(corner(0) - from) + norm(corner(0) - to[i]) <= lengths[i] + 2.0 * edge) {
+        return true;
+      }
+    }
+    return false;
+  };
   TriMesh piece = surface;
-  std::erase_if(piece.triangles, [&](const std::array<int, 3>& t) {
-    return std::ranges::none_of(t, [&](int v) {
-      return norm(surface.points[static_cast<std::size_t>(v)] - centre) < reach;
-    });
-  });
+  std::erase_if(piece.triangles, [&](const std::array<int, 3>& t) { return !within(t); });
   return piece;
 }
 
@@ -113,15 +126,18 @@ std::vector<double> lengths_on(const TriMesh& surface, const Vec3& from, std::sp
 
 std::vector<double> lengths_along(const TriMesh& surface, const Vec3& from,
                                   std::span<const Vec3> to) {
-  double farthest = 0.0;
-  for (const Vec3& p : to) {
-    farthest = std::max(farthest, norm(p - from));
-  }
-  // A way of this length cannot leave a ball of this radius: most of a body need not be searched.
-  const double reach = 1.5 * farthest;
-  if (const TriMesh piece = piece_around(surface, from, reach); !piece.triangles.empty()) {
+  // Most of a body need not be searched: ways are seldom longer than this.
+  for (const double detour : {1.15, 1.5}) {
+    std::vector<double> reach;
+    for (const Vec3& p : to) {
+      reach.push_back(detour * norm(p - from));
+    }
+    const TriMesh piece = piece_between(surface, from, to, reach);
+    if (piece.triangles.empty()) {
+      break;
+    }
     std::vector<double> lengths = lengths_on(piece, from, to);
-    if (std::ranges::all_of(lengths, [&](double length) { return length <= reach; })) {
+    if (std::ranges::equal(lengths, reach, std::ranges::less_equal{})) {
       return lengths;
     }
   }

@@ -5,8 +5,8 @@
 
 #include "core/error.hpp"
 #include "imaging/body_mask.hpp"
-#include "imaging/denoise.hpp"
 #include "imaging/fat_field.hpp"
+#include "imaging/gland_label.hpp"
 #include "imaging/grids.hpp"
 
 namespace sanatrix::imaging {
@@ -17,14 +17,6 @@ constexpr double wide_knots_mm = 70.0, fine_knots_mm = 45.0, finest_knots_mm = 2
 constexpr double skin_mm = 2.0;  ///< thickness; Huang et al., doi:10.1118/1.2841938: 1-2.5 mm
 /// Half way between air and skin, relative to fat: skin has about a third of fat's signal.
 constexpr float skin_edge = 0.17F;
-/// Of the share of gland between neighbouring voxels, for the smoothing.
-constexpr double share_step = 0.25;
-/// A voxel with this share counts as gland: a half where gland is solid enough for a peak of its
-/// own in the histogram. Less where there are mixtures alone: slices are thicker than strands of
-/// gland and mix them with the fat around, which is more than the gland.
-constexpr double solid_gland_share = 0.50, strand_gland_share = 0.42;
-/// With this share of pure voxels among those that hold gland it is solid.
-constexpr double solid_part = 0.33;
 constexpr double muscle_mm = 12.0;    ///< behind the fascia; pectorals and ribs
 constexpr float lung_signal = 0.10F;  ///< relative to fat
 
@@ -242,70 +234,6 @@ class ThickSlice {
   Vec3 first_mm_;
 };
 
-/// The share of gland that the image itself says, without smoothing and beyond 0 and 1, so that
-/// noise has no preferred sign; 0 where it is not mixed of fat and gland.
-Image3<float> plain_share(const Image3<float>& image, const Image3<float>& fat_signal,
-                          const GlandularModel& gland, const TissueGrid& grid, const Mask& clean) {
-  Image3<float> share = image_like<float>(grid.labels);
-  for (std::size_t v = 0; v < share.voxels.size(); ++v) {
-    if (clean.voxels[v] != 0) {
-      const double relative = static_cast<double>(image.voxels[v]) /
-                              std::max(static_cast<double>(fat_signal.voxels[v]), 1e-6);
-      share.voxels[v] = static_cast<float>(std::clamp(
-          (gland.fat_signal - relative) / (gland.fat_signal - gland.gland_signal), -1.5, 2.5));
-    }
-  }
-  return share;
-}
-
-/// Noise of that share: the scanner's is the same everywhere, the signal is not.
-Image3<float> deviation_of_share(const Image3<float>& image, const Image3<float>& fat_signal,
-                                 const GlandularModel& gland, const Mask& clean) {
-  const double noise = noise_deviation(image, clean);
-  Image3<float> deviation = image_like<float>(image);
-  for (std::size_t v = 0; v < deviation.voxels.size(); ++v) {
-    deviation.voxels[v] =
-        static_cast<float>(noise / (std::max(static_cast<double>(fat_signal.voxels[v]), 1e-6) *
-                                    (gland.fat_signal - gland.gland_signal)));
-  }
-  return deviation;
-}
-
-double least_share(const GlandularModel& gland) {
-  const double pure = gland.parts[1] / std::max(gland.parts[1] + gland.parts[2], 1e-9);
-  return strand_gland_share +
-         (solid_gland_share - strand_gland_share) * std::min(1.0, pure / solid_part);
-}
-
-/// Fibroglandular is what holds more gland than fat. Which voxels is decided by the share of the
-/// surroundings, since noise sits in single voxels; how many by the shares themselves, since a mean
-/// over the surroundings thins strands. Where noise lets fat look like gland, it lets as much fat
-/// look as far brighter than fat: these are taken off.
-void harden(TissueGrid& grid, const Image3<float>& share, const Image3<float>& deviation,
-            double gland_share, const Mask& clean) {
-  const Image3<float> around = without_noise(share, deviation, clean, share_step);
-  std::vector<float> candidates;
-  long gland = 0;
-  for (std::size_t v = 0; v < around.voxels.size(); ++v) {
-    if (clean.voxels[v] != 0) {
-      candidates.push_back(around.voxels[v]);
-      const double here = share.voxels[v];
-      gland += here > gland_share ? 1 : here < -gland_share ? -1 : 0;
-    }
-  }
-  if (gland <= 0) {
-    return;
-  }
-  const auto least = candidates.end() - gland;
-  std::nth_element(candidates.begin(), least, candidates.end());
-  const float threshold = *least;
-  for (std::size_t v = 0; v < around.voxels.size(); ++v) {
-    if (clean.voxels[v] != 0 && around.voxels[v] >= threshold) {
-      grid.labels.voxels[v] = static_cast<unsigned char>(Label::Fibroglandular);
-    }
-  }
-}
-
 }  // namespace
 
 AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
@@ -346,9 +274,7 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
       }
     }
   }
-  harden(found.grid, plain_share(ordered, signal, coarse.gland, found.grid, clean),
-         deviation_of_share(ordered, signal, coarse.gland, clean), least_share(coarse.gland),
-         clean);
+  label_gland(found.grid.labels, ordered, signal, coarse.gland, clean);
   found.wall = std::move(coarse.wall);
   found.gland = coarse.gland;
   found.noise = coarse.air.deviation;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace sanatrix::imaging {
@@ -23,7 +22,8 @@ std::array<double, bins> histogram(const Image3<float>& relative, const Mask& wh
   return count;
 }
 
-constexpr double least_gland_signal = 0.2;  ///< darker is muscle, vessel or artefact
+/// Of the histogram, from a signal of 0.2 on: darker is muscle, vessel or artefact.
+constexpr std::size_t first_bin = 40;
 
 std::array<double, bins> smoothed(const std::array<double, bins>& count) {
   std::array<double, bins> result{};
@@ -69,27 +69,22 @@ std::array<double, 3> densities(const GlandularModel& m, double x) {
 
 constexpr double anything = 1e-6;  ///< density of what is none of these
 
-/// Finds the parts with which the model explains the histogram best (EM) and returns the
-/// log-likelihood.
-double fit_parts(const std::array<double, bins>& count, GlandularModel& model) {
-  const auto first = static_cast<std::size_t>(least_gland_signal / bin_width);
+/// Finds the parts with which the model explains the histogram best (EM).
+void fit_parts(const std::array<double, bins>& count, GlandularModel& model) {
   std::array<std::array<double, 3>, bins> density{};
-  for (std::size_t b = first; b < bins; ++b) {
+  for (std::size_t b = first_bin; b < bins; ++b) {
     density[b] = densities(model, centre(b));
   }
   model.parts = {0.6, 0.1, 0.3};
-  double value = 0.0;
   for (int round = 0; round < 60; ++round) {
     std::array<double, 3> next{};
-    value = 0.0;
-    for (std::size_t b = first; b < bins; ++b) {
+    for (std::size_t b = first_bin; b < bins; ++b) {
       std::array<double, 3> part{};
       double sum = anything;
       for (std::size_t c = 0; c < 3; ++c) {
         part[c] = model.parts[c] * density[b][c];
         sum += part[c];
       }
-      value += count[b] * std::log(sum);
       for (std::size_t c = 0; c < 3; ++c) {
         next[c] += count[b] * part[c] / sum;
       }
@@ -99,15 +94,40 @@ double fit_parts(const std::array<double, bins>& count, GlandularModel& model) {
       model.parts[c] = next[c] / total;
     }
   }
-  return value;
+}
+
+/// Voxels darker than a signal, but not as dark as muscle, vessels and artefacts.
+double darker(const std::array<double, bins>& count, double signal) {
+  double sum = 0.0;
+  for (std::size_t b = first_bin; b < bins && centre(b) < signal; ++b) {
+    sum += count[b];
+  }
+  return sum;
+}
+
+/// The signal that the darkest fifth of the gland stays below; gland is what lies below the middle
+/// between that signal and fat. The very darkest are tumour, vessels and noise.
+double darkest_fifth(const std::array<double, bins>& count, double fat_signal) {
+  constexpr double fifth = 0.2;
+  double signal = 0.5 * fat_signal;
+  for (int round = 0; round < 40; ++round) {
+    const double enough = fifth * darker(count, 0.5 * (signal + fat_signal));
+    double sum = 0.0;
+    std::size_t b = first_bin;
+    while (b + 1 < bins && sum < enough) {
+      sum += count[b++];
+    }
+    signal = centre(b);
+  }
+  return signal;
 }
 
 }  // namespace
 
-/// Fat is the peak near 1; only its bright side is free of gland and tells the spread. The signal
-/// of pure gland is the one with which fat, gland and uniformly distributed mixtures of both
-/// explain the histogram best (Santago and Gage, doi:10.1109/42.241885): a peak where gland is
-/// solid, the end of the tail where every voxel holds some fat.
+/// Fat is the peak near 1; only its bright side is free of gland and tells the spread. Gland has
+/// seldom a peak, and no voxel need be free of fat: its signal is that of the darkest fifth. Given
+/// both, fat, gland and uniformly distributed mixtures of both explain the histogram (Santago and
+/// Gage, doi:10.1109/42.241885).
 GlandularModel fit_glandular_model(const Image3<float>& relative, const Mask& where) {
   const std::array<double, bins> count = smoothed(histogram(relative, where));
   GlandularModel model;
@@ -118,18 +138,15 @@ GlandularModel fit_glandular_model(const Image3<float>& relative, const Mask& wh
     ++half;
   }
   model.fat_spread = std::max((centre(half) - model.fat_signal) / 1.1774, 0.02);
-  GlandularModel best = model;
-  double most = -std::numeric_limits<double>::infinity();
-  for (model.gland_signal = least_gland_signal + 0.02;
-       model.gland_signal < model.fat_signal - 2.0 * model.fat_spread;
-       model.gland_signal += 2.0 * bin_width) {
-    if (const double fit = fit_parts(count, model); fit > most) {
-      most = fit;
-      best = model;
-    }
-  }
-  best.separation = (best.fat_signal - best.gland_signal) / best.fat_spread;
-  return best;
+  model.gland_signal =
+      std::min(darkest_fifth(count, model.fat_signal), model.fat_signal - 2.0 * model.fat_spread);
+  model.separation = (model.fat_signal - model.gland_signal) / model.fat_spread;
+  fit_parts(count, model);
+  const auto above = [&](double share) {
+    return darker(count, model.fat_signal - share * (model.fat_signal - model.gland_signal));
+  };
+  model.solid = above(0.75) / std::max(above(0.4), 1.0);
+  return model;
 }
 
 double pure_fat(const GlandularModel& model, double relative) {

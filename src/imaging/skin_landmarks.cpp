@@ -51,8 +51,15 @@ double confidence_of_tip(const LabelImage& labels, const Vec3& tip_mm) {
 }
 
 /// Below the nipple the skin runs back and then down along the chest: the point that lies deepest
-/// below the chord from the nipple to the lower end of the field.
-std::optional<SkinLandmark> fold_below(const LabelImage& labels, const Vec3& nipple_mm) {
+/// below the chord from the nipple to the chest well below the field, where the skin is taken to go
+/// straight down. The field may end closely below the fold; if it ends above it the skin still runs
+/// back there, and its end is the deepest point.
+SkinLandmark fold_below(const LabelImage& labels, const Vec3& nipple_mm) {
+  constexpr double beyond_mm =
+      50.0;  ///< of the field: about as far as the nipple lies above a fold
+  constexpr double sure_chest_mm = 12.0;  ///< of skin below the fold that leaves no doubt of it
+  SkinLandmark fold;
+  fold.missing = "the field ends above it, or the skin has no corner there";
   const auto at = voxel_at(labels, nipple_mm);
   int bottom = 0;
   while (bottom < at[2] && !front_y(labels, at[0], bottom)) {
@@ -60,27 +67,28 @@ std::optional<SkinLandmark> fold_below(const LabelImage& labels, const Vec3& nip
   }
   const auto end = front_y(labels, at[0], bottom);
   const double end_z = labels.position_mm(at[0], 0, bottom)[2];
-  const double fall = nipple_mm[2] - end_z;
-  if (!end || fall < 20.0) {
-    return std::nullopt;
+  if (!end || nipple_mm[2] - end_z < 20.0) {
+    return fold;
   }
-  const double slope = (*end - nipple_mm[1]) / fall;
-  SkinLandmark fold;
-  double deepest = least_fold_mm;
-  bool found = false;
+  const double slope = (*end - nipple_mm[1]) / (nipple_mm[2] - end_z + beyond_mm);
+  const auto depth_at = [&](double y, double z) {
+    return (y - nipple_mm[1] - slope * (nipple_mm[2] - z)) / std::hypot(1.0, slope);
+  };
+  double deepest = std::max(least_fold_mm, depth_at(*end, end_z));
   for (int k = bottom + 1; k < at[2]; ++k) {
     const auto y = front_y(labels, at[0], k);
-    const double z = labels.position_mm(at[0], 0, k)[2];
-    const double depth =
-        y ? (*y - nipple_mm[1] - slope * (nipple_mm[2] - z)) / std::hypot(1.0, slope) : 0.0;
-    if (depth > deepest) {
-      deepest = depth;
-      fold.at_mm = {labels.position_mm(at[0], 0, k)[0], *y, z};
-      found = true;
+    const Vec3 p = labels.position_mm(at[0], 0, k);
+    if (y && depth_at(*y, p[2]) > deepest) {
+      deepest = depth_at(*y, p[2]);
+      fold.at_mm = {p[0], *y, p[2]};
     }
   }
-  fold.confidence = std::min(1.0, deepest / deep_fold_mm);
-  return found ? std::optional(fold) : std::nullopt;
+  if (fold.at_mm) {
+    fold.missing.clear();
+    fold.confidence = std::min(1.0, deepest / deep_fold_mm) *
+                      std::min(1.0, ((*fold.at_mm)[2] - end_z) / sure_chest_mm);
+  }
+  return fold;
 }
 
 }  // namespace
@@ -90,19 +98,20 @@ std::vector<SkinLandmark> skin_landmarks(const Segmentation& s) {
   constexpr std::array sides{"right", "left"};
   for (const std::size_t side : {0U, 1U}) {
     const double sure = s.nipples_from_label ? 1.0 : confidence_of_tip(s.labels, s.nipple_mm[side]);
-    marks.push_back({std::string("nipple_") + sides[side], s.nipple_mm[side], sure});
-    if (auto fold = fold_below(s.labels, s.nipple_mm[side])) {
-      fold->name = std::string("inframammary_fold_") + sides[side];
-      marks.push_back(*fold);
-    }
+    marks.push_back({std::string("nipple_") + sides[side], s.nipple_mm[side], sure, ""});
+    SkinLandmark fold = fold_below(s.labels, s.nipple_mm[side]);
+    fold.name = std::string("inframammary_fold_") + sides[side];
+    marks.push_back(fold);
   }
   const double z = 0.5 * (s.nipple_mm[0][2] + s.nipple_mm[1][2]);
   const auto middle = voxel_at(s.labels, {s.midline_x_mm, s.nipple_mm[0][1], z});
   if (const auto y = front_y(s.labels, middle[0], middle[2])) {
     const double depth = *y - std::max(s.nipple_mm[0][1], s.nipple_mm[1][1]);
     marks.push_back(
-        {"midline", {s.midline_x_mm, *y, z}, std::clamp(depth / deep_cleft_mm, 0.0, 1.0)});
+        {"midline", Vec3{s.midline_x_mm, *y, z}, std::clamp(depth / deep_cleft_mm, 0.0, 1.0), ""});
   }
+  marks.push_back({"sternal_notch", std::nullopt, 0.0,
+                   "not looked for: it lies above the field of a breast MRI"});
   return marks;
 }
 

@@ -84,7 +84,8 @@ struct Solver::Impl {
   bool evaluate(const State& state, const std::vector<double>& target, double share,
                 Tangent tangent, std::vector<double>& r);
   double line_search(State& state, const std::vector<double>& direction,
-                     const std::vector<double>& target, double share, std::vector<double>& r);
+                     const std::vector<double>& target, double share, std::vector<double>& r,
+                     double enough, bool is_last);
   /// Is this a problem whose single cells would fold?
   [[nodiscard]] bool folds() const {
     return unknown == Unknown::Reference && discrete.body().element == Element::P1P1;
@@ -110,11 +111,12 @@ bool Solver::Impl::evaluate(const State& state, const std::vector<double>& targe
 }
 
 /// Backtracking on the norm of R - share * target from the full step, or the largest that spares
-/// every cell, generous to that one. Moves the state to a better one, with its residual and matrix.
-/// What the search left of that largest step, 0 where there is no better state.
+/// every cell, generous to that one. Moves the state to a better one, with its residual and, unless
+/// that is at most `enough`, its matrix. is_last: the full step is expected to be enough. What the
+/// search left of that largest step, 0 where there is no better state.
 double Solver::Impl::line_search(State& state, const std::vector<double>& direction,
                                  const std::vector<double>& target, double share,
-                                 std::vector<double>& r) {
+                                 std::vector<double>& r, double enough, bool is_last) {
   const double before = discrete.norm(r);
   const double growth =
       folds() ? std::clamp(ceiling * discrete.norm(target) / before, 1.0, allowed_growth)
@@ -124,11 +126,14 @@ double Solver::Impl::line_search(State& state, const std::vector<double>& direct
     State trial = discrete.moved(state, direction, alpha);
     // First trials are nearly always taken, and then their matrix is needed.
     const bool first = alpha == most;
-    const bool valid = evaluate(trial, target, share, first ? Tangent::Exact : Tangent::None, r);
+    const bool with_matrix = first && !is_last;
+    const bool valid =
+        evaluate(trial, target, share, with_matrix ? Tangent::Exact : Tangent::None, r);
     const double after = valid ? discrete.norm(r) : 0.0;
     if (valid && after < (first ? growth : 1.0 - 1e-3 * alpha) * before) {
       state = std::move(trial);
-      return first || evaluate(state, target, share, Tangent::Exact, r) ? alpha / most : 0.0;
+      const bool complete = with_matrix || after <= enough;
+      return complete || evaluate(state, target, share, Tangent::Exact, r) ? alpha / most : 0.0;
     }
     // The quadratic through the merit at 0 (slope -2 before^2) and alpha, kept within [0.25, 0.5].
     const double ratio = valid ? after / before : 0.0;
@@ -169,6 +174,9 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
     const double forcing =
         it == 0 ? 1e-2 : std::min(1e-2, 0.9 * (now / previous) * (now / previous));
     const double linear = std::max({forcing, 0.1 * tolerance / now, 1e-8});
+    // Quadratic convergence, but for what the linear solver leaves.
+    const double ratio = it == 0 ? 1.0 : now / previous;
+    const bool is_last = now * std::max(linear, ratio * ratio) <= tolerance;
     const auto change =
         it > 0 && now < quiet * previous ? fem::MatrixChange::Small : fem::MatrixChange::Large;
     previous = now;
@@ -180,7 +188,9 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
     report.krylov_iterations += solved.iterations;
     report.factorisations += solved.factorised ? 1 : 0;
     ++report.newton_iterations;
-    const double left = solved.converged ? line_search(state, direction, target, share, r) : 0.0;
+    const double left = solved.converged
+                            ? line_search(state, direction, target, share, r, tolerance, is_last)
+                            : 0.0;
     if (left == 0.0) {
       return false;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <numbers>
 #include <random>
 
@@ -251,9 +252,18 @@ std::map<std::string, double> shape_indices(const Torso& torso, const BodyFrame&
   return v;
 }
 
+std::map<std::string, double> landmark_indices(const Torso& torso, const BodyFrame& frame,
+                                               std::size_t treated) {
+  Values v;
+  add_landmark_indices(marks_of(torso, frame, outlines_of(torso, frame)), treated, v);
+  return v;
+}
+
 std::vector<Metric> cosmetic_metrics(const Question& q, const BodyFrame& frame) {
+  auto meanwhile =
+      std::async(std::launch::async, [&] { return shape_indices(q.after, frame, q.treated); });
   const Values before = shape_indices(q.before, frame, q.treated);
-  Values after = shape_indices(q.after, frame, q.treated);
+  const Values after = meanwhile.get();
   Values changes{{"excised_pct", q.excised_percent}};
   add_changes(q, frame, changes);
   const Draws draws_before = draw(q.before, frame, q.treated);

@@ -15,6 +15,10 @@ namespace sanatrix::outcome {
 std::map<std::string, double> shape_indices(const Torso& torso, const BodyFrame& frame,
                                             std::size_t treated);
 
+/// Those of them that follow from landmarks and outlines alone, which is quick.
+std::map<std::string, double> landmark_indices(const Torso& torso, const BodyFrame& frame,
+                                               std::size_t treated);
+
 struct Range {
   double sd = 0.0, p05 = 0.0, p95 = 0.0;
 };

@@ -196,7 +196,7 @@ Cosmetics cosmetics_of(const CaseResult& r, const Skin& skin) {
   }
   c.chance_bra_above_26mm = outcome::chance_of_bra_above(c.question, c.frame, 26.0);
   const auto grade = [&](const outcome::Torso& torso) {
-    auto values = outcome::shape_indices(torso, c.frame, c.question.treated);
+    auto values = outcome::landmark_indices(torso, c.frame, c.question.treated);
     return outcome::ptosis_grade(values["nipple_above_fold_treated_mm"],
                                  values["nipple_above_lowest_treated_mm"]);
   };

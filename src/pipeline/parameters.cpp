@@ -95,7 +95,10 @@ void add_treatment(std::vector<ParameterInfo>& t) {
                    "values of the healing model, comma-separated: D_eta=4e-13,kappa=1e4"));
   t.push_back(number("heal.days", "90", 0.5, 3650, "days", "how long healing is followed"));
   t.push_back(number("heal.mechanics_interval_days", "6", 0.1, 365, "days",
-                     "time between two mechanical equilibria"));
+                     "least time between two mechanical equilibria"));
+  t.push_back(number("heal.mechanics_density_change", "0.05", 0, 1, "",
+                     "change of the wound's mean cell density (healthy: 1) that calls for the next "
+                     "equilibrium; 0: one every mechanics_interval_days"));
   t.push_back(number("heal.record_interval_days", "0.5", 0.01, 365, "days",
                      "time between two rows of history.csv"));
   t.push_back(choice("heal.scheme", {"cvode", "explicit"},

@@ -116,7 +116,8 @@ void read_fixed(const JsonObject& fixed, SolveProblem& problem) {
 
 HealingRequest read_healing(const JsonObject& j, const TetMesh& mesh) {
   j.allow({"preset", "overrides", "wound", "days", "mechanics_interval_days",
-           "record_interval_days", "scheme", "dt_s", "relative_tolerance"});
+           "mechanics_density_change", "record_interval_days", "scheme", "dt_s",
+           "relative_tolerance"});
   HealingRequest request;
   const std::vector<std::string> overrides =
       j.has("overrides") ? j.texts("overrides") : std::vector<std::string>{};
@@ -134,6 +135,8 @@ HealingRequest read_healing(const JsonObject& j, const TetMesh& mesh) {
   schedule.days = j.number_or("days", small, 3650, schedule.days);
   schedule.mechanics_interval_days =
       j.number_or("mechanics_interval_days", 0.01, 3650, schedule.mechanics_interval_days);
+  schedule.mechanics_density_change =
+      j.number_or("mechanics_density_change", 0.0, 1.0, schedule.mechanics_density_change);
   schedule.record_interval_days =
       j.number_or("record_interval_days", 0.001, 3650, schedule.record_interval_days);
   if (j.has("scheme") && j.choice("scheme", {"cvode", "explicit"}) == "explicit") {

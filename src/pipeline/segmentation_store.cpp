@@ -14,7 +14,12 @@ namespace {
 std::string landmarks_text(const imaging::Segmentation& segmentation) {
   nlohmann::json list = nlohmann::json::object();
   for (const imaging::SkinLandmark& mark : imaging::skin_landmarks(segmentation)) {
-    list[mark.name] = {{"lps_mm", mark.at_mm}, {"confidence", mark.confidence}};
+    list[mark.name] = {{"lps_mm", nullptr}, {"confidence", mark.confidence}};
+    if (mark.at_mm) {
+      list[mark.name]["lps_mm"] = *mark.at_mm;
+    } else {
+      list[mark.name]["missing"] = mark.missing;
+    }
   }
   return list.dump(2) + "\n";
 }

@@ -144,6 +144,7 @@ recovery::Problem make_problem(const Parameters& p, const mechanics::Body& body,
                              .dt_s = p.number("heal.dt_s")};
   problem.schedule = {.days = p.number("heal.days"),
                       .mechanics_interval_days = p.number("heal.mechanics_interval_days"),
+                      .mechanics_density_change = p.number("heal.mechanics_density_change"),
                       .record_interval_days = p.number("heal.record_interval_days")};
   return problem;
 }

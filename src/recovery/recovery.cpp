@@ -28,6 +28,28 @@ struct Measured {
   double eta_mean, volume_ratio, max_displacement_mm, wall_displacement_mm, min_jacobian;
 };
 
+/// A history row to be, and the species (vertices x species) of a day that is observed without an
+/// equilibrium of its own.
+struct Sample {
+  healing::SpeciesRecord record;
+  std::vector<double> species;
+};
+
+/// A change of mean cell density that tells nothing.
+constexpr double least_change = 1e-6;
+
+/// On the line through two shapes: s = 0 the first, 1 the second.
+mechanics::Shape on_line(const mechanics::Shape& a, const mechanics::Shape& b, double s) {
+  mechanics::Shape shape = b;
+  for (std::size_t n = 0; n < shape.nodes.size(); ++n) {
+    shape.nodes[n] += (s - 1.0) * (b.nodes[n] - a.nodes[n]);
+  }
+  for (std::size_t v = 0; v < shape.pressure.size(); ++v) {
+    shape.pressure[v] += (s - 1.0) * (b.pressure[v] - a.pressure[v]);
+  }
+  return shape;
+}
+
 class Recovery {
  public:
   Recovery(const Problem& problem, const Save& save, const Observe& observe)
@@ -51,10 +73,12 @@ class Recovery {
   [[nodiscard]] std::vector<mechanics::Tissue> tissue_now(bool traction) const;
   void solve_mechanics(bool traction, double density, double tolerance, const Context& ctx);
   [[nodiscard]] std::optional<mechanics::Shape> predicted(double density) const;
+  void advance_species(std::vector<Sample>& samples, const Context& ctx);
   void operate(const Context& ctx);
   void continue_from(const Checkpoint& checkpoint);
   [[nodiscard]] Checkpoint checkpoint() const;
-  void step_to(double t_day, const Context& ctx);
+  void step(const Context& ctx);
+  void look_back(const std::vector<Sample>& samples, const Measured& next);
   [[nodiscard]] Measured measure(double eta_mean) const;
   [[nodiscard]] healing::SpeciesRecord record_species() const {
     return healing::record(species_, mesh_, problem_.species_points, problem_.wound_fraction,
@@ -84,18 +108,10 @@ class Recovery {
 /// order), and so does the shape: the last two shapes, continued to the next density.
 std::optional<mechanics::Shape> Recovery::predicted(double density) const {
   const double last = last_.eta_mean - earlier_density_;
-  if (earlier_.nodes.empty() || std::abs(last) < 1e-12) {
+  if (earlier_.nodes.empty() || std::abs(last) < least_change) {
     return std::nullopt;
   }
-  const double s = (density - last_.eta_mean) / last;
-  mechanics::Shape next = shape_;
-  for (std::size_t n = 0; n < next.nodes.size(); ++n) {
-    next.nodes[n] += s * (shape_.nodes[n] - earlier_.nodes[n]);
-  }
-  for (std::size_t v = 0; v < next.pressure.size(); ++v) {
-    next.pressure[v] += s * (shape_.pressure[v] - earlier_.pressure[v]);
-  }
-  return next;
+  return on_line(earlier_, shape_, (density - earlier_density_) / last);
 }
 
 std::vector<mechanics::Tissue> Recovery::tissue_now(bool traction) const {
@@ -120,8 +136,7 @@ void Recovery::solve_mechanics(bool traction, double density, double tolerance,
     guess = shape_;
   }
   mechanics::Shape next = solver_.forward(problem_.reference_nodes, problem_.gravity, &*guess, ctx);
-  earlier_ = traction && !result_.history.empty() && last_.volume_ratio < 1.0 ? std::move(shape_)
-                                                                              : mechanics::Shape{};
+  earlier_ = std::move(shape_);
   earlier_density_ = last_.eta_mean;
   shape_ = std::move(next);
   result_.seconds_mechanics += now_s() - start;
@@ -160,6 +175,7 @@ void Recovery::operate(const Context& ctx) {
          [&] { solve_mechanics(false, species.mean[0], tolerance_of_results, ctx); });
   volume0_ =
       wound_.volume(solver_.jacobians(problem_.reference_nodes, shape_.nodes), shape_.pressure);
+  earlier_ = {};  // before surgery: nothing to continue from
   last_ = measure(species.mean[0]);
   result_.history.push_back({species, last_.volume_ratio, last_.max_displacement_mm,
                              last_.wall_displacement_mm, last_.min_jacobian});
@@ -187,43 +203,73 @@ void Recovery::continue_from(const Checkpoint& checkpoint) {
            row.min_jacobian};
 }
 
-/// Species to t, mechanics at t, and the history rows in between. Between two mechanics solves the
-/// shape follows the mean cell density: contraction has no lag of its own (quasi-static), and to
-/// first order dV/V = -T0 <eta> / (kappa + 4 mu / 3).
-void Recovery::step_to(double t_day, const Context& ctx) {
-  std::vector<double> times;
-  const double every = problem_.schedule.record_interval_days;
-  const double from_day = species_.time_s() / day_s;
-  for (double k = std::floor(from_day / every + 1e-9) + 1.0; k * every < t_day - 1e-9; ++k) {
-    times.push_back(k * every * day_s);
-  }
-  std::vector<healing::SpeciesRecord> records;
-  double start = now_s();
-  during(fmt::format("species until day {:g}", t_day), [&] {
-    species_.advance(t_day * day_s, ctx.part(0.0, 0.5), times,
-                     [&] { records.push_back(record_species()); });
-  });
-  records.push_back(record_species());
-  result_.seconds_species += now_s() - start;
-  const bool last = t_day >= problem_.schedule.days;
-  during(fmt::format("mechanics at day {:g}", t_day), [&] {
-    solve_mechanics(true, records.back().mean[0],
-                    last ? tolerance_of_results : tolerance_on_the_way, ctx.part(0.5, 1.0));
-  });
-  const Measured next = measure(records.back().mean[0]);
-  for (const healing::SpeciesRecord& r : records) {
-    const double change = next.eta_mean - last_.eta_mean;
-    const double elapsed = (r.t_day - from_day) / (t_day - from_day);
-    const double s = std::abs(change) > 1e-6 ? (r.mean[0] - last_.eta_mean) / change : elapsed;
-    const auto between = [s](double a, double b) {
-      return a + s * (b - a);
+/// Until the next equilibrium is due: at the end, or when the wound has changed enough. Species
+/// begin anew wherever one is looked for, or rounding would grow to the tolerance in long runs and
+/// ranks would disagree (docs/theory/healing.md).
+void Recovery::advance_species(std::vector<Sample>& samples, const Context& ctx) {
+  const Schedule& schedule = problem_.schedule;
+  const double every = schedule.record_interval_days;
+  for (bool due = false; !due;) {
+    const double from = species_.time_s() / day_s;
+    const double to = std::min(schedule.days, from + schedule.mechanics_interval_days);
+    std::vector<double> times;
+    for (double k = std::floor(from / every + 1e-9) + 1.0; k * every < to - 1e-9; ++k) {
+      times.push_back(k * every * day_s);
+    }
+    const auto note = [&] {
+      samples.push_back({record_species(), {}});
     };
-    result_.history.push_back({r, between(last_.volume_ratio, next.volume_ratio),
-                               between(last_.max_displacement_mm, next.max_displacement_mm),
-                               between(last_.wall_displacement_mm, next.wall_displacement_mm),
-                               next.min_jacobian});
+    species_.advance(to * day_s, ctx.part(from / schedule.days, to / schedule.days), times, note);
+    note();
+    const double change = std::abs(samples.back().record.mean[0] - last_.eta_mean);
+    due = to >= schedule.days || change >= schedule.mechanics_density_change;
+    if (!due) {
+      samples.back().species = species_.state();
+    }
   }
+}
+
+/// History rows, and shapes at the days that had no equilibrium of their own. Between two
+/// equilibria the shape follows the mean cell density: contraction has no lag of its own
+/// (quasi-static), and to first order dV/V = -T0 <eta> / (kappa + 4 mu / 3).
+void Recovery::look_back(const std::vector<Sample>& samples, const Measured& next) {
+  const double from = result_.history.back().species.t_day;
+  for (const Sample& sample : samples) {
+    const healing::SpeciesRecord& r = sample.record;
+    const double change = next.eta_mean - last_.eta_mean;
+    const double s = std::abs(change) > least_change
+                         ? (r.mean[0] - last_.eta_mean) / change
+                         : (r.t_day - from) / (samples.back().record.t_day - from);
+    result_.history.push_back({r, std::lerp(last_.volume_ratio, next.volume_ratio, s),
+                               std::lerp(last_.max_displacement_mm, next.max_displacement_mm, s),
+                               std::lerp(last_.wall_displacement_mm, next.wall_displacement_mm, s),
+                               next.min_jacobian});
+    if (!sample.species.empty()) {
+      observe_(r.t_day, sample.species, on_line(earlier_, shape_, s));
+    }
+  }
+}
+
+/// Species until the next equilibrium is due, and that equilibrium.
+void Recovery::step(const Context& ctx) {
+  const double days = problem_.schedule.days;
+  std::vector<Sample> samples;
+  const double start = now_s();
+  during(fmt::format("species after day {:g}", species_.time_s() / day_s),
+         [&] { advance_species(samples, ctx); });
+  result_.seconds_species += now_s() - start;
+  const double day = samples.back().record.t_day;
+  const double density = samples.back().record.mean[0];
+  during(fmt::format("mechanics at day {:g}", day), [&] {
+    solve_mechanics(true, density, day < days ? tolerance_on_the_way : tolerance_of_results,
+                    ctx.part(day / days, day / days));
+  });
+  const Measured next = measure(density);
+  look_back(samples, next);
   last_ = next;
+  observe_(day, species_.state(), shape_);
+  ctx.at(day / days, fmt::format("day {:g}: wound at {:.1f} % of its volume, cells {:.0f} %", day,
+                                 100.0 * last_.volume_ratio, 100.0 * last_.eta_mean));
 }
 
 Result Recovery::run(const std::optional<Checkpoint>& resume, const Context& ctx) {
@@ -240,16 +286,8 @@ Result Recovery::run(const std::optional<Checkpoint>& resume, const Context& ctx
     observe_(0.0, species_.state(), shape_);
   }
   while (species_.time_s() < schedule.days * day_s - 1.0) {
-    const double t = species_.time_s() / day_s;
-    const double next = std::min(schedule.days, t + schedule.mechanics_interval_days);
-    const auto share = [&](double day) {
-      return 0.05 + 0.95 * day / schedule.days;
-    };
-    step_to(next, ctx.part(share(t), share(next)));
-    observe_(next, species_.state(), shape_);
+    step(ctx.part(0.05, 1.0));
     save_(checkpoint());
-    ctx.at(share(next), fmt::format("day {:g}: wound at {:.1f} % of its volume, cells {:.0f} %",
-                                    next, 100.0 * last_.volume_ratio, 100.0 * last_.eta_mean));
   }
   result_.healed = shape_;
   result_.tissue = tissue_now(true);  // also of a run that resumed with nothing left to compute

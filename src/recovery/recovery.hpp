@@ -1,5 +1,6 @@
-// Step H: the only place where healing and mechanics meet. Species advance for six days, then the
-// body finds its new equilibrium with the healed tissue, and so on for three months.
+// Step H: the only place where healing and mechanics meet. Species advance for six days or more,
+// until the wound has changed, then the body finds its new equilibrium with the healed tissue, and
+// so on for three months.
 #pragma once
 
 #include <functional>
@@ -15,8 +16,12 @@ namespace sanatrix::recovery {
 
 struct Schedule {
   double days = 90.0;
+  /// Equilibria are looked for, and shapes observed, at multiples of this after the last one.
   double mechanics_interval_days = 6.0;
-  double record_interval_days = 0.5;  ///< history rows between mechanics steps
+  /// There the body is only solved for when the mean cell density of the wound (healthy: 1) has
+  /// changed by this much since the last equilibrium; in between the shape follows the density.
+  double mechanics_density_change = 0.05;
+  double record_interval_days = 0.5;  ///< history rows
 };
 
 /// One row of history.csv; columns as in the reference histories of validation.
@@ -34,7 +39,7 @@ struct Checkpoint {
   double wound_volume_m3 = 0.0;  ///< V0: after surgery, before cells pull
   std::vector<double> species;
   mechanics::Shape shape;
-  /// The shape of one mechanics step earlier and the mean cell density then (relative), for the
+  /// The shape of one equilibrium earlier and the mean cell density then (relative), for the
   /// prediction of the next; empty while there is none.
   mechanics::Shape earlier;
   double earlier_density = 0.0;
@@ -71,8 +76,9 @@ struct Problem {
   healing::RdOptions species_options;
   Schedule schedule;
 };
-using Save = std::function<void(const Checkpoint&)>;  ///< called after every mechanics step
-/// Called after every mechanics step with time, species (vertices x species) and shape.
+using Save = std::function<void(const Checkpoint&)>;  ///< called after every equilibrium
+/// Called with time, species (vertices x species) and shape every mechanics_interval_days; between
+/// two equilibria with the shape that the mean cell density then gives.
 using Observe =
     std::function<void(double t_day, std::span<const double> species, const mechanics::Shape&)>;
 

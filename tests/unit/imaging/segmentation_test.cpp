@@ -103,9 +103,15 @@ TEST_F(Segmentation, finds_midline_nipples_and_tissue_volumes) {
   // The fold is where the ellipsoid meets the layer on the chest: all its z half-axis below.
   int folds = 0;
   for (const imaging::SkinLandmark& mark : imaging::skin_landmarks(result)) {
+    if (mark.name == "sternal_notch") {
+      EXPECT_FALSE(mark.at_mm);
+      EXPECT_EQ(mark.confidence, 0.0);
+      continue;
+    }
     EXPECT_GT(mark.confidence, 0.3) << mark.name;
+    ASSERT_TRUE(mark.at_mm) << mark.name << ": " << mark.missing;
     if (mark.name.starts_with("inframammary_fold")) {
-      EXPECT_NEAR(mark.at_mm[2], -torso.semi_axes_mm[2], 4.0);
+      EXPECT_NEAR((*mark.at_mm)[2], -torso.semi_axes_mm[2], 4.0);
       ++folds;
     }
   }
