@@ -43,6 +43,7 @@ struct SparseSystem::Impl {
   BlockMatrix matrix;
   CoarseSpace coarse;
   bool factors_stale = true, levels_stale = true;
+  int fill = 0;               ///< levels of fill of the incomplete factors
   Mat conditioner = nullptr;  ///< the matrix with a pressure mass, where one is given
   Vec rhs = nullptr, solution = nullptr, here = nullptr;
   VecScatter gather = nullptr;
@@ -110,7 +111,7 @@ void SparseSystem::Impl::make_vectors() {
 }
 
 /// V-cycle of two levels. Smoother: incomplete factors of each rank's node blocks; coarse level:
-/// MUMPS. One level of fill saves a third of the iterations and costs more than that.
+/// MUMPS.
 void SparseSystem::Impl::make_two_level_solver() {
   check(KSPCreate(PETSC_COMM_WORLD, &two_level), "creating the linear solver");
   check(KSPSetType(two_level, KSPGMRES), "choosing GMRES");
@@ -127,7 +128,6 @@ void SparseSystem::Impl::make_two_level_solver() {
                                    {"-sanatrix_mg_levels_ksp_max_it", "1"},
                                    {"-sanatrix_mg_levels_pc_type", "bjacobi"},
                                    {"-sanatrix_mg_levels_sub_pc_type", "ilu"},
-                                   {"-sanatrix_mg_levels_sub_pc_factor_levels", "0"},
                                    {"-sanatrix_mg_levels_sub_pc_factor_mat_ordering_type", "rcm"},
                                    {"-sanatrix_mg_coarse_ksp_type", "preonly"},
                                    {"-sanatrix_mg_coarse_pc_type", "lu"},
@@ -228,13 +228,16 @@ void SparseSystem::Impl::prepare_levels(bool fresh) {
   check(KSPSetReusePreconditioner(smoother, keep), "keeping the smoother");
   check(KSPSetOperators(two_level, matrix.petsc(), matrix.petsc()), "setting the matrix");
   check(KSPSetUp(two_level), "setting up the levels");
-  // Block Jacobi does not hand the wish on to its blocks.
+  // Block Jacobi does not hand the wishes on to its blocks.
   check(KSPGetPC(smoother, &pc), "getting the smoother");
   PetscInt blocks = 0;
   KSP* own = nullptr;
   check(PCBJacobiGetSubKSP(pc, &blocks, nullptr, &own), "getting the smoother's blocks");
   for (PetscInt b = 0; b < blocks; ++b) {
     check(KSPSetReusePreconditioner(own[b], keep), "keeping the smoother");
+    PC factors = nullptr;
+    check(KSPGetPC(own[b], &factors), "getting the smoother's blocks");
+    check(PCFactorSetLevels(factors, fill), "setting the fill of the factors");
   }
 }
 
@@ -325,6 +328,11 @@ void SparseSystem::finish_matrix() {
 
 const std::vector<double>& SparseSystem::vector() const {
   return impl_->sum;
+}
+
+void SparseSystem::set_fill(int levels) {
+  impl_->levels_stale = impl_->levels_stale || levels != impl_->fill;
+  impl_->fill = levels;
 }
 
 void SparseSystem::set_pressure_mass(std::span<const double> mass) {

@@ -64,6 +64,10 @@ class SparseSystem {
   void finish_matrix();
   [[nodiscard]] const std::vector<double>& vector() const;
 
+  /// Levels of fill of the incomplete factors, 0 at first. One level halves the iterations and costs
+  /// as much as that saves, but where stiffness jumps by decades it is ten times as good.
+  void set_fill(int levels);
+
   /// Per node, a pressure mass over shear modulus [m3/Pa] for elements whose pressure block is
   /// (almost) zero: the preconditioner works with the system as if it were there.
   void set_pressure_mass(std::span<const double> mass);

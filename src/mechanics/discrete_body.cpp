@@ -60,6 +60,10 @@ void check_body(const Body& body) {
           "nothing holds the body: no vertex is fixed - name a boundary under \"fixed\"");
 }
 
+/// A fresh wound resists shear a thousand times less than the tissue around it. Somewhere below
+/// this integrity (a fortnight after surgery) factors with fill begin to pay.
+constexpr double soft_integrity = 0.5;
+
 }  // namespace
 
 DiscreteBody::DiscreteBody(const Body& body) : body_(body) {
@@ -155,6 +159,14 @@ void DiscreteBody::set_tissue(std::span<const Tissue> tissue) {
   body_.tissue.assign(tissue.begin(), tissue.end());
 }
 
+double DiscreteBody::softest_integrity() const {
+  double least = 1.0;
+  for (const Tissue& tissue : body_.tissue) {
+    least = std::min(least, tissue.integrity);
+  }
+  return -fem::largest(body_.share, -least);
+}
+
 void DiscreteBody::begin(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity) {
   ensure(known.size() == node_count_, "{} nodes expected, {} given", node_count_, known.size());
   unknown_ = unknown;
@@ -162,6 +174,7 @@ void DiscreteBody::begin(Unknown unknown, std::span<const Vec3> known, const Vec
   gravity_ = gravity;
   set_scales();
   system_->forget_factorisation();
+  system_->set_fill(softest_integrity() < soft_integrity ? 1 : 0);
   if (body_.element == Element::P2P1) {
     system_->set_pressure_mass(pressure_mass());
   }

@@ -86,6 +86,7 @@ class DiscreteBody {
   void subtract_dead_forces(std::vector<double>& r) const;
   [[nodiscard]] bool is_mine(std::span<const int> nodes) const;
   [[nodiscard]] std::vector<double> pressure_mass() const;
+  [[nodiscard]] double softest_integrity() const;
 
   Body body_;
   fem::EdgeTable edges_;
