@@ -72,8 +72,9 @@ std::string wall_range_text(const json& o) {
   }
   const auto between = [&](const char* key, int digits) {
     const json& r = range.at(json::json_pointer(key));
-    return fmt::format("{:.{}f}-{:.{}f}", r.at("low").get<double>(), digits,
-                       r.at("high").get<double>(), digits);
+    const std::string low = fmt::format("{:.{}f}", r.at("low").get<double>(), digits);
+    const std::string high = fmt::format("{:.{}f}", r.at("high").get<double>(), digits);
+    return low == high ? low : low + "-" + high;
   };
   std::string text = fmt::format(
       "chest wall +-{:g} mm       skin moves max {} mm, mean {} mm; breast L {}, R {} cm3\n",

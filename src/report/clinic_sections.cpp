@@ -71,7 +71,8 @@ std::string wall_in_words(const Findings& f) {
                : "";
   }
   const auto between = [&](const char* key) {
-    return fmt::format("{} to {}", shown(range.at(key).at("low")), shown(range.at(key).at("high")));
+    const std::string low = shown(range.at(key).at("low")), high = shown(range.at(key).at("high"));
+    return low == high ? low : fmt::format("{} to {}", low, high);
   };
   std::string text = fmt::format(
       "With the chest wall {:g} mm nearer to the skin or deeper, the skin would move by {} mm on "
