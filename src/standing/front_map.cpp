@@ -17,7 +17,7 @@ void draw(const std::array<Vec3, 3>& mm, ColumnMap& map) {
     at[c] = {(mm[c][0] - map.origin_mm[0]) / map.spacing_mm,
              (mm[c][2] - map.origin_mm[1]) / map.spacing_mm};
   }
-  const auto [a, b, c] = at;
+  const auto a = at[0], b = at[1], c = at[2];
   const double area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
   if (area < 1e-12) {
     return;  // looks away: the inside of the back, behind a hole or beyond the end of the scan

@@ -39,8 +39,9 @@ ColumnMap smoothed(const ColumnMap& map, double sigma_mm) {
 
 Vec3 place(const ColumnMap& map, std::size_t column) {
   const auto nx = static_cast<std::size_t>(map.size[0]);
-  return {map.origin_mm[0] + static_cast<double>(column % nx) * map.spacing_mm, map.value[column],
-          map.origin_mm[1] + static_cast<double>(column / nx) * map.spacing_mm};
+  const std::size_t i = column % nx, k = column / nx;
+  return {map.origin_mm[0] + static_cast<double>(i) * map.spacing_mm, map.value[column],
+          map.origin_mm[1] + static_cast<double>(k) * map.spacing_mm};
 }
 
 /// The most anterior skin of the breast around a first guess.

@@ -85,8 +85,11 @@ void Resection::fill_piece() {
   std::deque<std::array<int, 3>> queue;
   const auto visit = [&queue, this](const std::array<int, 3>& at, const Sample& neighbour) {
     Sample& here = grid_.samples[grid_.index(at)];
-    if (here.depth == 0.0F && (here = sample(at, neighbour)).depth > 0.0F) {
-      queue.push_back(at);
+    if (here.depth == 0.0F) {
+      here = sample(at, neighbour);
+      if (here.depth > 0.0F) {
+        queue.push_back(at);
+      }
     }
   };
   const int reach = static_cast<int>(radius_ / grid_.step);
@@ -173,8 +176,8 @@ void Resection::measure_cell(const std::array<int, 3>& low, Measure& sum) const 
   };
   const Caps caps = caps_near(at(0.5, 0.5, 0.5), diagonal);
   for (int part = 0; part < parts * parts * parts; ++part) {
-    const Vec3 p = at((part % parts + 0.5) / parts, (part / parts % parts + 0.5) / parts,
-                      (part / parts / parts + 0.5) / parts);
+    const int i = part % parts, j = part / parts % parts, k = part / (parts * parts);
+    const Vec3 p = at((i + 0.5) / parts, (j + 0.5) / parts, (k + 0.5) / parts);
     const double f = shape(p, caps);
     // The share of a small cube below a plane at distance f, taken as linear across its width.
     const double share = std::clamp(0.5 - f / small, 0.0, 1.0);
