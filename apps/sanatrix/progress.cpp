@@ -1,5 +1,6 @@
 #include "progress.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -43,7 +44,7 @@ std::string Progress::remaining(double fraction) const {
   if (fraction < 0.02 || gone < 1.0) {
     return "";
   }
-  const auto left = static_cast<int>(gone * (1.0 - fraction) / fraction + 0.5);
+  const auto left = static_cast<int>(std::lround(gone * (1.0 - fraction) / fraction));
   return fmt::format(", ETA {}:{:02}", left / 60, left % 60);
 }
 

@@ -131,7 +131,7 @@ class SlurmEngine {
       throw Error(Fault::Resource, "sbatch refused the job array",
                   "run it by hand to see why: sbatch --array=" + range + " " + script.string());
     }
-    const std::string id = words_of(words_of(answer.output, '\n').at(0), ';').at(0);
+    std::string id = words_of(words_of(answer.output, '\n').at(0), ';').at(0);
     write_text(folder_ / "array", id);
     return id;
   }

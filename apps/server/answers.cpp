@@ -138,7 +138,7 @@ std::vector<std::string> assignments(const json& wish) {
   for (const auto& [key, value] : wish.items()) {
     const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     checked.set(key, text);
-    list.push_back(key + "=" + text);
+    list.push_back(fmt::format("{}={}", key, text));
   }
   return list;
 }

@@ -100,7 +100,7 @@ void forget_old_uploads(const fs::path& folder) {
 
 }  // namespace
 
-CaseStore::CaseStore(fs::path root) : root_(fs::absolute(std::move(root)).lexically_normal()) {
+CaseStore::CaseStore(const fs::path& root) : root_(fs::absolute(root).lexically_normal()) {
   std::error_code problem;
   fs::create_directories(own_folder() / "uploads", problem);
   if (problem) {
@@ -220,7 +220,7 @@ std::shared_ptr<const pipeline::CaseView> CaseStore::view(const pipeline::Case& 
     kept = {stamp, std::make_shared<const pipeline::CaseView>(patient)};
   }
   kept.used = ++questions_;
-  const auto view = kept.view;
+  auto view = kept.view;
   if (views_.size() > kept_views) {
     views_.erase(std::ranges::min_element(views_, {}, [](const auto& v) { return v.second.used; }));
   }
@@ -233,7 +233,7 @@ fs::path CaseStore::result_file(const pipeline::Case& patient, const std::string
   const bool known = is_name(stage_folder) && is_plain_folder(folder);
   const json files = known ? listed_files(folder) : json::array();
   const bool listed = std::ranges::any_of(files, [&](const json& f) { return f == file; });
-  const fs::path path = folder / file;
+  fs::path path = folder / file;
   if (!listed || !is_result(patient, folder, file)) {
     throw Error(Fault::Input, "there is no such result", "run the case first");
   }

@@ -18,7 +18,7 @@ namespace sanatrix::server {
 class CaseStore {
  public:
   /// Makes the folder when it is not there.
-  explicit CaseStore(std::filesystem::path root);
+  explicit CaseStore(const std::filesystem::path& root);
 
   [[nodiscard]] const std::filesystem::path& root() const { return root_; }
   /// The server's own files: queue, secrets, uploads.

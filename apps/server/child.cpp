@@ -138,7 +138,8 @@ std::string output_of(const std::vector<std::string>& words, const std::filesyst
     ::kill(child.pid, SIGKILL);
     ::waitpid(child.pid, nullptr, 0);
   }
-  const std::string printed = read_text(output), told = told_by(messages);
+  std::string printed = read_text(output);
+  const std::string told = told_by(messages);
   std::error_code none;
   std::filesystem::remove(output, none);
   std::filesystem::remove(messages, none);

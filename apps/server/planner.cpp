@@ -27,7 +27,7 @@ constexpr std::ptrdiff_t most_files_of_an_upload = 20'000;
 std::string extension_of(const std::string& name) {
   std::string lower = name;
   std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const std::string known : upload_extensions) {
+  for (std::string known : upload_extensions) {
     if (lower.ends_with(known)) {
       return known;
     }

@@ -77,7 +77,7 @@ std::vector<std::uint8_t> breast_of(const meshing::BreastModel& model, const She
 void add_in_all_poses(Bundle& bundle, const std::string& name, std::span<const Vec3> points,
                       const std::string& from, const CaseView& view) {
   for (const auto& [pose, carried] : view.carry_to_all(points, from)) {
-    bundle.add_mm(name + "." + pose, carried);
+    bundle.add_mm(fmt::format("{}.{}", name, pose), carried);
   }
 }
 
