@@ -18,8 +18,8 @@ constexpr int max_direct_iterations = 60;
 constexpr int max_iterations = 200;
 /// Below this many unknowns a factorisation costs next to nothing.
 constexpr int small_system = 3000;
-/// Above this many unknowns a factorisation takes more memory than a workstation has to spare (7 GiB
-/// at 200 thousand, 14 GiB and more at 600 thousand); smaller load steps may do without it.
+/// Above this many unknowns a factorisation takes more memory than a workstation has to spare (7
+/// GiB at 200 thousand, 14 GiB and more at 600 thousand); smaller load steps may do without it.
 constexpr int large_system = 300'000;
 /// Of the pressure mass over mu that stands in for the pressure block of Taylor-Hood. The whole of
 /// it pulls the factors away from the true system (twice the iterations); a twentieth no longer

@@ -64,8 +64,8 @@ class SparseSystem {
   void finish_matrix();
   [[nodiscard]] const std::vector<double>& vector() const;
 
-  /// Levels of fill of the incomplete factors, 0 at first. One level halves the iterations and costs
-  /// as much as that saves, but where stiffness jumps by decades it is ten times as good.
+  /// Levels of fill of the incomplete factors, 0 at first. One level costs as much as it saves, but
+  /// where stiffness jumps by decades it takes a fifth of the iterations (docs/adr, 8).
   void set_fill(int levels);
 
   /// Per node, a pressure mass over shear modulus [m3/Pa] for elements whose pressure block is

@@ -91,10 +91,11 @@ struct Table {
   }
 };
 
-std::vector<int> second_of_pairs(const Array<int>& pairs) {
+/// Tags of (dimension, tag) after (dimension, tag).
+std::vector<int> second_of_pairs(const std::vector<int>& pairs) {
   std::vector<int> tags;
-  for (std::size_t i = 1; i < pairs.size; i += 2) {
-    tags.push_back(pairs.data[i]);
+  for (std::size_t i = 1; i < pairs.size(); i += 2) {
+    tags.push_back(pairs[i]);
   }
   return tags;
 }
@@ -133,36 +134,38 @@ GmshFile::~GmshFile() {
   gmsh().finalize(&unused);
 }
 
-std::vector<int> GmshFile::entities(int dimension) const {
-  Array<int> pairs;
+/// The integers that a call of Gmsh gives, by (data, size, error).
+template <class Call>
+std::vector<int> GmshFile::integers(const Call& call) const {
+  Array<int> found;
   int error = 0;
-  gmsh().entities(&pairs.data, &pairs.size, dimension, &error);
+  call(&found.data, &found.size, &error);
   check(error);
-  return second_of_pairs(pairs);
+  return found.copy();
+}
+
+std::vector<int> GmshFile::entities(int dimension) const {
+  return second_of_pairs(integers([&](int** data, std::size_t* size, int* error) {
+    gmsh().entities(data, size, dimension, error);
+  }));
 }
 
 std::vector<int> GmshFile::groups(int dimension) const {
-  Array<int> pairs;
-  int error = 0;
-  gmsh().groups(&pairs.data, &pairs.size, dimension, &error);
-  check(error);
-  return second_of_pairs(pairs);
+  return second_of_pairs(integers([&](int** data, std::size_t* size, int* error) {
+    gmsh().groups(data, size, dimension, error);
+  }));
 }
 
 std::vector<int> GmshFile::groups_of(int dimension, int entity) const {
-  Array<int> tags;
-  int error = 0;
-  gmsh().groups_of(dimension, entity, &tags.data, &tags.size, &error);
-  check(error);
-  return tags.copy();
+  return integers([&](int** data, std::size_t* size, int* error) {
+    gmsh().groups_of(dimension, entity, data, size, error);
+  });
 }
 
 std::vector<int> GmshFile::members(int dimension, int group) const {
-  Array<int> tags;
-  int error = 0;
-  gmsh().members(dimension, group, &tags.data, &tags.size, &error);
-  check(error);
-  return tags.copy();
+  return integers([&](int** data, std::size_t* size, int* error) {
+    gmsh().members(dimension, group, data, size, error);
+  });
 }
 
 std::string GmshFile::group_name(int dimension, int group) const {

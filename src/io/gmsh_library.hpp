@@ -39,6 +39,8 @@ class GmshFile {
 
  private:
   void check(int error) const;
+  template <class Call>
+  [[nodiscard]] std::vector<int> integers(const Call& call) const;
 
   std::string name_;
 };

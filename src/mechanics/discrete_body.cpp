@@ -60,8 +60,8 @@ void check_body(const Body& body) {
           "nothing holds the body: no vertex is fixed - name a boundary under \"fixed\"");
 }
 
-/// A fresh wound resists shear a thousand times less than the tissue around it. Somewhere below
-/// this integrity (a fortnight after surgery) factors with fill begin to pay.
+/// A fresh wound resists shear a thousand times less than the tissue around it. Below this
+/// integrity (for about a fortnight after surgery) factors have fill; the limit is not tuned.
 constexpr double soft_integrity = 0.5;
 
 }  // namespace
