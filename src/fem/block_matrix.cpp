@@ -71,36 +71,47 @@ BlockMatrix::BlockMatrix(const Layout& layout, const ElementList& elements,
 }
 
 BlockMatrix::~BlockMatrix() {
-  close(local_);
-  close(remote_);
-  MatDestroy(&matrix_);
+  close(system_);
+  close(beside_);
 }
 
 void BlockMatrix::make_pattern(const ElementList& elements) {
   const Pattern pattern = pattern_of(layout_, elements, row_of_node_);
   const PetscInt own = block * layout_.own();
   const PetscInt all = block * layout_.total;
-  check(MatCreate(PETSC_COMM_WORLD, &matrix_), "creating the matrix");
-  check(MatSetSizes(matrix_, own, own, all, all), "sizing the matrix");
-  check(MatSetBlockSize(matrix_, block), "sizing the matrix");
-  check(MatSetType(matrix_, MATBAIJ), "typing the matrix");
+  Mat& matrix = system_.matrix;
+  check(MatCreate(PETSC_COMM_WORLD, &matrix), "creating the matrix");
+  check(MatSetSizes(matrix, own, own, all, all), "sizing the matrix");
+  check(MatSetBlockSize(matrix, block), "sizing the matrix");
+  check(MatSetType(matrix, MATBAIJ), "typing the matrix");
   const PetscInt* begin = pattern.begin.data();
   const PetscInt* column = pattern.column.data();
   if (ranks() == 1) {
-    check(MatSeqBAIJSetPreallocationCSR(matrix_, block, begin, column, nullptr), "laying out");
-    open(matrix_, local_);
+    check(MatSeqBAIJSetPreallocationCSR(matrix, block, begin, column, nullptr), "laying out");
+  } else {
+    check(MatMPIBAIJSetPreallocationCSR(matrix, block, begin, column, nullptr), "laying out");
+    const PetscInt* columns = nullptr;
+    Mat outside = nullptr;
+    check(MatMPIBAIJGetSeqBAIJ(matrix, nullptr, &outside, &columns), "reading the matrix");
+    PetscInt width = 0;
+    check(MatGetSize(outside, nullptr, &width), "reading the matrix");
+    remote_columns_.assign(columns, columns + width / block);
+  }
+  check(MatDuplicate(matrix, MAT_DO_NOT_COPY_VALUES, &beside_.matrix), "copying the matrix");
+  open(system_);
+  open(beside_);
+}
+
+void BlockMatrix::open(BlockValues& values) {
+  if (ranks() == 1) {
+    open(values.matrix, values.local);
     return;
   }
-  check(MatMPIBAIJSetPreallocationCSR(matrix_, block, begin, column, nullptr), "laying out");
   Mat inside = nullptr;
   Mat outside = nullptr;
-  const PetscInt* columns = nullptr;
-  check(MatMPIBAIJGetSeqBAIJ(matrix_, &inside, &outside, &columns), "reading the matrix");
-  open(inside, local_);
-  open(outside, remote_);
-  PetscInt width = 0;
-  check(MatGetSize(outside, nullptr, &width), "reading the matrix");
-  remote_columns_.assign(columns, columns + width / block);
+  check(MatMPIBAIJGetSeqBAIJ(values.matrix, &inside, &outside, nullptr), "reading the matrix");
+  open(inside, values.local);
+  open(outside, values.remote);
 }
 
 void BlockMatrix::open(Mat part, BlockRows& rows) {
@@ -114,19 +125,23 @@ void BlockMatrix::open(Mat part, BlockRows& rows) {
   check(MatSeqBAIJGetArray(part, &rows.values), "opening the matrix");
 }
 
-void BlockMatrix::close(BlockRows& rows) {
-  if (rows.matrix != nullptr) {
-    PetscInt n = 0;
-    PetscBool done = PETSC_FALSE;
-    MatSeqBAIJRestoreArray(rows.matrix, &rows.values);
-    MatRestoreRowIJ(rows.matrix, 0, PETSC_FALSE, PETSC_TRUE, &n, &rows.begin, &rows.column, &done);
+void BlockMatrix::close(BlockValues& values) {
+  for (BlockRows* rows : {&values.local, &values.remote}) {
+    if (rows->matrix != nullptr) {
+      PetscInt n = 0;
+      PetscBool done = PETSC_FALSE;
+      MatSeqBAIJRestoreArray(rows->matrix, &rows->values);
+      MatRestoreRowIJ(rows->matrix, 0, PETSC_FALSE, PETSC_TRUE, &n, &rows->begin, &rows->column,
+                      &done);
+    }
   }
+  MatDestroy(&values.matrix);
 }
 
 void BlockMatrix::list_slots(const ElementList& elements) {
   diagonal_.resize(index(layout_.own()));
   for (int r = 0; r < layout_.own(); ++r) {
-    diagonal_[index(r)] = local_.find(r, r);
+    diagonal_[index(r)] = system_.local.find(r, r);
   }
   first_slot_.reserve(index(elements.size()) + 1);
   for (int e = 0; e < elements.size(); ++e) {
@@ -138,10 +153,10 @@ void BlockMatrix::list_slots(const ElementList& elements) {
         if (row < 0) {
           slots_.push_back(-1);
         } else if (layout_.owns(b)) {
-          slots_.push_back(local_.find(row, g - layout_.own_begin));
+          slots_.push_back(system_.local.find(row, g - layout_.own_begin));
         } else {
           const auto at = std::ranges::lower_bound(remote_columns_, g) - remote_columns_.begin();
-          slots_.push_back(-2 - remote_.find(row, static_cast<PetscInt>(at)));
+          slots_.push_back(-2 - system_.remote.find(row, static_cast<PetscInt>(at)));
         }
         if (row >= 0 && (fixed_[index(a)] | fixed_[index(b)]) != 0) {
           held_.push_back({slots_.back(), fixed_[index(a)], fixed_[index(b)]});
@@ -155,14 +170,21 @@ void BlockMatrix::list_slots(const ElementList& elements) {
 }
 
 void BlockMatrix::clear() {
-  const auto rows = index(layout_.own());
-  std::fill_n(local_.values, 16 * static_cast<std::size_t>(local_.begin[rows]), 0.0);
-  if (remote_.matrix != nullptr) {
-    std::fill_n(remote_.values, 16 * static_cast<std::size_t>(remote_.begin[rows]), 0.0);
+  clear(system_);
+  clear(beside_);
+  summed_ = false;
+}
+
+void BlockMatrix::clear(BlockValues& values) const {
+  for (const BlockRows* rows : {&values.local, &values.remote}) {
+    if (rows->matrix != nullptr) {
+      std::fill_n(rows->values, 16 * index(rows->begin[index(layout_.own())]), 0.0);
+    }
   }
 }
 
-void BlockMatrix::add(int element, int pressures, std::span<const double> values, RowPart part) {
+void BlockMatrix::add(BlockValues& to_values, int element, int pressures,
+                      std::span<const double> values, RowPart part) {
   const int* nodes = nodes_.data() + offset_[index(element)];
   const int count = offset_[index(element) + 1] - offset_[index(element)];
   const int* slots = slots_.data() + first_slot_[index(element)];
@@ -175,7 +197,7 @@ void BlockMatrix::add(int element, int pressures, std::span<const double> values
     const double* moves = values.data() + static_cast<std::ptrdiff_t>(3 * a * size);
     const double* presses = values.data() + static_cast<std::ptrdiff_t>((3 * count + a) * size);
     for (int b = 0; b < count; ++b) {
-      double* to = slot(slots[a * count + b]);
+      double* to = slot(to_values, slots[a * count + b]);
       for (int k = 0; k < 3; ++k) {
         to[4 * k] += moves[3 * b + k];
         to[4 * k + 1] += moves[size + 3 * b + k];
@@ -196,17 +218,22 @@ void BlockMatrix::add(int element, int pressures, std::span<const double> values
   }
 }
 
-void BlockMatrix::add_to_pressure_diagonal(int row, double value) {
-  local_.values[16 * diagonal_[index(row)] + 15] += value;
+void BlockMatrix::add_for_factors(int row, double value) {
+  beside_.local.values[16 * diagonal_[index(row)] + 15] += value;
 }
 
 void BlockMatrix::finish() {
+  finish(system_, 1.0);
+  finish(beside_, 0.0);
+}
+
+void BlockMatrix::finish(BlockValues& values, double held_diagonal) {
   for (const HeldBlock& held : held_) {
-    double* values = slot(held.slot);
+    double* entries = slot(values, held.slot);
     for (int k = 0; k < block; ++k) {
       for (int i = 0; i < block; ++i) {
         if ((held.rows >> i & 1) != 0 || (held.columns >> k & 1) != 0) {
-          values[4 * k + i] = 0.0;
+          entries[4 * k + i] = 0.0;
         }
       }
     }
@@ -215,13 +242,21 @@ void BlockMatrix::finish() {
     if (const int row = row_of_node_[n]; row >= 0) {
       for (int i = 0; i < block; ++i) {
         if ((fixed_[n] >> i & 1) != 0) {
-          local_.values[16 * diagonal_[index(row)] + 5 * i] = 1.0;
+          values.local.values[16 * diagonal_[index(row)] + 5 * i] = held_diagonal;
         }
       }
     }
   }
-  check(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY), "closing the matrix");
-  check(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY), "closing the matrix");
+  check(MatAssemblyBegin(values.matrix, MAT_FINAL_ASSEMBLY), "closing the matrix");
+  check(MatAssemblyEnd(values.matrix, MAT_FINAL_ASSEMBLY), "closing the matrix");
+}
+
+Mat BlockMatrix::for_factors() {
+  if (!summed_) {
+    check(MatAXPY(beside_.matrix, 1.0, system_.matrix, SAME_NONZERO_PATTERN), "adding matrices");
+    summed_ = true;
+  }
+  return beside_.matrix;
 }
 
 }  // namespace sanatrix::fem

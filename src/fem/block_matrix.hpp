@@ -22,6 +22,14 @@ struct BlockRows {
   [[nodiscard]] PetscInt find(int row, PetscInt wanted) const;
 };
 
+/// Values in the pattern: blocks with columns of this rank, and with columns of others.
+struct BlockValues {
+  Mat matrix = nullptr;
+  BlockRows local, remote;
+};
+
+/// Holds two sets of values: the system, and what is added to it in the matrix that incomplete
+/// factors are made of.
 class BlockMatrix {
  public:
   BlockMatrix(const Layout& layout, const ElementList& elements,
@@ -30,31 +38,43 @@ class BlockMatrix {
   BlockMatrix(const BlockMatrix&) = delete;
   BlockMatrix& operator=(const BlockMatrix&) = delete;
 
-  [[nodiscard]] Mat petsc() const { return matrix_; }
+  [[nodiscard]] Mat petsc() const { return system_.matrix; }
   void clear();
-  void add(int element, int pressures, std::span<const double> values, RowPart part);
+  void add(int element, int pressures, std::span<const double> values, RowPart part) {
+    add(system_, element, pressures, values, part);
+  }
+  void add_for_factors(int element, int pressures, std::span<const double> values, RowPart part) {
+    add(beside_, element, pressures, values, part);
+  }
+  /// The same on the pressure's diagonal entry of an owned row.
+  void add_for_factors(int row, double value);
   /// Unit diagonal for fixed unknowns; tells PETSc that values changed.
   void finish();
+  /// The system and what was added for the factors, summed when first asked for after finish.
+  [[nodiscard]] Mat for_factors();
   /// Columns of `local` are owned nodes counted from own_begin; columns of `remote` index
   /// remote_columns.
-  [[nodiscard]] const BlockRows& local() const { return local_; }
-  [[nodiscard]] const BlockRows& remote() const { return remote_; }
+  [[nodiscard]] const BlockRows& local() const { return system_.local; }
+  [[nodiscard]] const BlockRows& remote() const { return system_.remote; }
   [[nodiscard]] const std::vector<PetscInt>& remote_columns() const { return remote_columns_; }
-  /// Adds to the pressure's diagonal entry of an owned row.
-  void add_to_pressure_diagonal(int row, double value);
 
  private:
   void make_pattern(const ElementList& elements);
+  void open(BlockValues& values);
   void open(Mat part, BlockRows& rows);
-  void close(BlockRows& rows);
+  static void close(BlockValues& values);
+  void clear(BlockValues& values) const;
+  void add(BlockValues& to, int element, int pressures, std::span<const double> values,
+           RowPart part);
+  void finish(BlockValues& values, double held_diagonal);
   void list_slots(const ElementList& elements);
   /// A block with fixed unknowns: bits of the rows and columns that do not count.
   struct HeldBlock {
     int slot;
     std::uint8_t rows, columns;
   };
-  [[nodiscard]] double* slot(std::int64_t s) {
-    return s >= 0 ? local_.values + 16 * s : remote_.values + 16 * (-s - 2);
+  [[nodiscard]] static double* slot(const BlockValues& of, std::int64_t s) {
+    return s >= 0 ? of.local.values + 16 * s : of.remote.values + 16 * (-s - 2);
   }
 
   const Layout& layout_;
@@ -62,12 +82,13 @@ class BlockMatrix {
   std::vector<std::uint8_t> fixed_;
   std::vector<int> row_of_node_;         ///< own row, or -1
   std::vector<std::size_t> first_slot_;  ///< per element
-  std::vector<int> slots_;  ///< per node pair: block of local_; -1 not mine; -2 - block of remote_
+  std::vector<int>
+      slots_;  ///< per node pair: block of `local`; -1 not mine; -2 - block of `remote`
   std::vector<HeldBlock> held_;
   std::vector<PetscInt> diagonal_;  ///< per own row: its diagonal block
   std::vector<PetscInt> remote_columns_;
-  Mat matrix_ = nullptr;
-  BlockRows local_, remote_;
+  BlockValues system_, beside_;
+  bool summed_ = false;  ///< does beside_ contain the system by now?
 };
 
 }  // namespace sanatrix::fem

@@ -21,10 +21,6 @@ constexpr int small_system = 3000;
 /// Above this many unknowns a factorisation takes more memory than a workstation has to spare (7
 /// GiB at 200 thousand, 14 GiB and more at 600 thousand); smaller load steps may do without it.
 constexpr int large_system = 300'000;
-/// Of the pressure mass over mu that stands in for the pressure block of Taylor-Hood. The whole of
-/// it pulls the factors away from the true system (twice the iterations); a twentieth no longer
-/// keeps their pivots from zero (docs/performance.md, Taylor-Hood).
-constexpr double standing_in = 0.2;
 
 }  // namespace
 
@@ -39,12 +35,13 @@ struct SparseSystem::Impl {
   std::vector<std::uint8_t> fixed;
   std::vector<std::size_t> node_of_row;
   std::vector<int> row_of_node;
-  std::vector<double> sum, pressure_mass;
+  std::vector<double> sum;
   BlockMatrix matrix;
   CoarseSpace coarse;
   bool factors_stale = true, levels_stale = true;
-  int fill = 0;               ///< levels of fill of the incomplete factors
-  Mat conditioner = nullptr;  ///< the matrix with a pressure mass, where one is given
+  int fill = 0;       ///< levels of fill of the incomplete factors
+  int kept_fill = 0;  ///< of those that are kept
+  Smoothed smoothed = Smoothed::System;
   Vec rhs = nullptr, solution = nullptr, here = nullptr;
   VecScatter gather = nullptr;
   KSP two_level = nullptr, direct = nullptr;
@@ -61,10 +58,9 @@ struct SparseSystem::Impl {
   void copy_in(std::span<const double> from, Vec to) const;
   void copy_out(Vec from, std::vector<double>& to) const;
   bool run(KSP solver, double relative_tolerance, int limit, int& iterations) const;
-  void prepare_levels(bool fresh);
+  void prepare_levels(bool fresh, int levels_of_fill);
   bool solve_by_levels(double relative_tolerance, LinearReport& report);
   void solve_directly(double relative_tolerance, LinearReport& report);
-  [[nodiscard]] Mat conditioning_matrix();
 };
 
 SparseSystem::Impl::Impl(const Layout& l, const ElementList& elements,
@@ -91,7 +87,6 @@ SparseSystem::Impl::Impl(const Layout& l, const ElementList& elements,
 SparseSystem::Impl::~Impl() {
   KSPDestroy(&two_level);
   KSPDestroy(&direct);
-  MatDestroy(&conditioner);
   VecDestroy(&rhs);
   VecDestroy(&solution);
   VecDestroy(&here);
@@ -185,32 +180,8 @@ bool SparseSystem::Impl::run(KSP solver, double relative_tolerance, int limit,
   return reason > 0;
 }
 
-/// The matrix the incomplete factors are made of. Taylor-Hood has no pressure block to speak of:
-/// a share of minus a pressure mass over mu, spectrally equivalent to its Schur complement, stands
-/// in.
-Mat SparseSystem::Impl::conditioning_matrix() {
-  if (pressure_mass.empty()) {
-    return matrix.petsc();
-  }
-  if (conditioner == nullptr) {
-    check(MatDuplicate(matrix.petsc(), MAT_DO_NOT_COPY_VALUES, &conditioner), "copying the matrix");
-  }
-  for (const double sign : {-1.0, 1.0}) {
-    for (std::size_t r = 0; r < node_of_row.size(); ++r) {
-      const std::size_t n = node_of_row[r];
-      if ((fixed[n] & 8) == 0) {
-        matrix.add_to_pressure_diagonal(static_cast<int>(r), sign * standing_in * pressure_mass[n]);
-      }
-    }
-    if (sign < 0.0) {
-      check(MatCopy(matrix.petsc(), conditioner, SAME_NONZERO_PATTERN), "copying the matrix");
-    }
-  }
-  return conditioner;
-}
-
 /// Gives the levels their matrices, or tells them to keep what they made of the last ones.
-void SparseSystem::Impl::prepare_levels(bool fresh) {
+void SparseSystem::Impl::prepare_levels(bool fresh, int levels_of_fill) {
   const PetscBool keep = fresh ? PETSC_FALSE : PETSC_TRUE;
   PC pc = nullptr;
   KSP smoother = nullptr;
@@ -218,10 +189,12 @@ void SparseSystem::Impl::prepare_levels(bool fresh) {
   check(KSPGetPC(two_level, &pc), "getting the preconditioner");
   check(PCMGGetSmoother(pc, 1, &smoother), "getting the smoother");
   check(PCMGGetCoarseSolve(pc, &bottom), "getting the coarse solver");
+  const Mat factored = matrix.for_factors();
+  check(
+      KSPSetOperators(smoother, smoothed == Smoothed::System ? matrix.petsc() : factored, factored),
+      "setting the matrix");
   if (fresh) {
-    const Mat smoothed = conditioning_matrix();
     coarse.update();
-    check(KSPSetOperators(smoother, smoothed, smoothed), "setting the matrix");
     check(KSPSetOperators(bottom, coarse.matrix(), coarse.matrix()), "setting the coarse matrix");
   }
   check(KSPSetReusePreconditioner(two_level, keep), "keeping the levels");
@@ -237,7 +210,7 @@ void SparseSystem::Impl::prepare_levels(bool fresh) {
     check(KSPSetReusePreconditioner(own[b], keep), "keeping the smoother");
     PC factors = nullptr;
     check(KSPGetPC(own[b], &factors), "getting the smoother's blocks");
-    check(PCFactorSetLevels(factors, fill), "setting the fill of the factors");
+    check(PCFactorSetLevels(factors, levels_of_fill), "setting the fill of the factors");
   }
 }
 
@@ -246,18 +219,18 @@ bool SparseSystem::Impl::solve_by_levels(double relative_tolerance, LinearReport
   if (block * layout.total < small_system || (direct != nullptr && !factors_stale)) {
     return false;
   }
-  for (int attempt = 0; attempt < 2 && !report.converged; ++attempt) {
-    const bool fresh = levels_stale;
-    prepare_levels(fresh);
+  const auto attempt = [&](bool fresh, int levels_of_fill) {
+    prepare_levels(fresh, levels_of_fill);
     int iterations = 0;
     report.converged = run(two_level, relative_tolerance, max_iterations, iterations);
     report.iterations += iterations;
     levels_stale = !report.converged;
-    if (fresh) {
-      break;  // trying again would change nothing
-    }
-  }
-  return report.converged;
+    kept_fill = levels_of_fill;
+    return report.converged;
+  };
+  // Factors may happen to be unstable with fill where they are not without.
+  return (!levels_stale && attempt(false, kept_fill)) || attempt(true, fill) ||
+         (fill > 0 && attempt(true, 0));
 }
 
 void SparseSystem::Impl::solve_directly(double relative_tolerance, LinearReport& report) {
@@ -322,6 +295,17 @@ void SparseSystem::add(int element, int pressures, std::span<const double> vecto
   }
 }
 
+void SparseSystem::add_for_factors(int element, int pressures, std::span<const double> matrix,
+                                   RowPart part) {
+  impl_->matrix.add_for_factors(element, pressures, matrix, part);
+}
+
+void SparseSystem::add_for_factors(std::span<const double> pressure_diagonal) {
+  for (std::size_t r = 0; r < impl_->node_of_row.size(); ++r) {
+    impl_->matrix.add_for_factors(static_cast<int>(r), pressure_diagonal[impl_->node_of_row[r]]);
+  }
+}
+
 void SparseSystem::finish_matrix() {
   impl_->matrix.finish();
 }
@@ -330,13 +314,13 @@ const std::vector<double>& SparseSystem::vector() const {
   return impl_->sum;
 }
 
+void SparseSystem::set_smoothed(Smoothed smoothed) {
+  impl_->smoothed = smoothed;
+}
+
 void SparseSystem::set_fill(int levels) {
   impl_->levels_stale = impl_->levels_stale || levels != impl_->fill;
   impl_->fill = levels;
-}
-
-void SparseSystem::set_pressure_mass(std::span<const double> mass) {
-  impl_->pressure_mass.assign(mass.begin(), mass.end());
 }
 
 LinearReport SparseSystem::solve(std::span<const double> b, double relative_tolerance,

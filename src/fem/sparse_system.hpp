@@ -39,6 +39,10 @@ struct LinearReport {
 /// How far the matrix is from the one of the last solve: whether its preconditioner still serves.
 enum class MatrixChange { Small, Large };
 
+/// Whose residual the smoother lowers: the system's, or that of the matrix its factors are made of,
+/// where that is far from the system.
+enum class Smoothed { System, Factored };
+
 /// Vectors hold `block` values per node of the process, x y z p; only those of owned nodes count,
 /// except in solutions, which are complete.
 class SparseSystem {
@@ -60,17 +64,18 @@ class SparseSystem {
   /// pressures of the first `pressures` nodes. matrix: row-major, or empty.
   void add(int element, int pressures, std::span<const double> vector,
            std::span<const double> matrix, RowPart part);
+  /// Adds to the matrix of which incomplete factors are made, and not to the system: the rows of
+  /// one element as above, or per node an entry of the pressure's diagonal.
+  void add_for_factors(int element, int pressures, std::span<const double> matrix, RowPart part);
+  void add_for_factors(std::span<const double> pressure_diagonal);
   /// After the last add.
   void finish_matrix();
   [[nodiscard]] const std::vector<double>& vector() const;
 
+  void set_smoothed(Smoothed smoothed);
   /// Levels of fill of the incomplete factors, 0 at first. One level costs as much as it saves, but
   /// where stiffness jumps by decades it takes a fifth of the iterations (docs/adr, 8).
   void set_fill(int levels);
-
-  /// Per node, a pressure mass over shear modulus [m3/Pa] for elements whose pressure block is
-  /// (almost) zero: the preconditioner works with the system as if it were there.
-  void set_pressure_mass(std::span<const double> mass);
 
   /// x = A^-1 b by GMRES. First choice is the two-level preconditioner (incomplete factors of the
   /// node blocks and a coarse space of rigid motions); where that fails, and for small systems, the

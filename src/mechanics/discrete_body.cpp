@@ -60,9 +60,16 @@ void check_body(const Body& body) {
           "nothing holds the body: no vertex is fixed - name a boundary under \"fixed\"");
 }
 
-/// A fresh wound resists shear a thousand times less than the tissue around it. Below this
+/// A fresh wound resists shear a hundred times less than the tissue around it. Below this
 /// integrity (for about a fortnight after surgery) factors have fill; the limit is not tuned.
 constexpr double soft_integrity = 0.5;
+/// Incomplete factors are made of a stiffer body, which keeps them stable on fine meshes
+/// (docs/adr, 8): no cell has less than this integrity,
+constexpr double factored_integrity = 0.05;
+/// and pressures have this share of minus a pressure mass over mu, which is spectrally equivalent
+/// to their Schur complement, beside what is in the system: next to nothing in Taylor-Hood.
+constexpr double factored_mass_p1 = 0.05;
+constexpr double factored_mass_p2 = 0.2;
 
 }  // namespace
 
@@ -84,6 +91,8 @@ DiscreteBody::DiscreteBody(const Body& body) : body_(body) {
   hold_nodes();
   list_elements();
   system_ = std::make_unique<fem::SparseSystem>(layout_, elements_, fixed_, positions);
+  system_->set_smoothed(body_.element == Element::P2P1 ? fem::Smoothed::Factored
+                                                       : fem::Smoothed::System);
   list_parts();
 }
 
@@ -159,14 +168,6 @@ void DiscreteBody::set_tissue(std::span<const Tissue> tissue) {
   body_.tissue.assign(tissue.begin(), tissue.end());
 }
 
-double DiscreteBody::softest_integrity() const {
-  double least = 1.0;
-  for (const Tissue& tissue : body_.tissue) {
-    least = std::min(least, tissue.integrity);
-  }
-  return -fem::largest(body_.share, -least);
-}
-
 void DiscreteBody::begin(Unknown unknown, std::span<const Vec3> known, const Vec3& gravity) {
   ensure(known.size() == node_count_, "{} nodes expected, {} given", node_count_, known.size());
   unknown_ = unknown;
@@ -174,10 +175,11 @@ void DiscreteBody::begin(Unknown unknown, std::span<const Vec3> known, const Vec
   gravity_ = gravity;
   set_scales();
   system_->forget_factorisation();
-  system_->set_fill(softest_integrity() < soft_integrity ? 1 : 0);
-  if (body_.element == Element::P2P1) {
-    system_->set_pressure_mass(pressure_mass());
-  }
+  const bool soft_here = std::ranges::any_of(
+      body_.tissue, [](const Tissue& t) { return t.integrity < soft_integrity; });
+  soft_ = fem::largest(body_.share, soft_here ? 1.0 : 0.0) > 0.0;
+  system_->set_fill(soft_ ? 1 : 0);
+  set_pressure_diagonal();
   if (body_.loads.any()) {
     begin_dead_loads();
   }
@@ -243,19 +245,18 @@ void DiscreteBody::set_scales() {
   load_scale_ = std::max(sanatrix::norm(gravity_) * all[2] / std::sqrt(n), own);
 }
 
-/// int q / mu dV at the vertices (complete for own ones): what stands in for the pressure block of
-/// Taylor-Hood in the preconditioner.
-std::vector<double> DiscreteBody::pressure_mass() const {
-  std::vector<double> mass(node_count_, 0.0);
+/// A share of -int q / mu dV at the vertices (complete for own ones), for the factors.
+void DiscreteBody::set_pressure_diagonal() {
+  pressure_diagonal_.assign(node_count_, 0.0);
+  const double share = body_.element == Element::P1P1 ? factored_mass_p1 : factored_mass_p2;
   const std::vector<double> volumes =
       cell_volumes(*body_.mesh, std::span(known_).first(body_.mesh->points.size()));
   for (const int c : cells_) {
     const Tissue& t = body_.tissue[index(c)];
     for (const int v : body_.mesh->cells[index(c)]) {
-      mass[index(v)] += 0.25 * volumes[index(c)] / (2.0 * (t.c1 + t.c2));
+      pressure_diagonal_[index(v)] -= share * 0.25 * volumes[index(c)] / (2.0 * (t.c1 + t.c2));
     }
   }
-  return mass;
 }
 
 /// Vector and matrix of one element.
@@ -266,8 +267,8 @@ struct DiscreteBody::Buffer {
 };
 
 template <std::size_t Nodes>
-double DiscreteBody::compute_cell(int e, const State& state, Buffer& to) const {
-  const std::size_t c = index(cells_[index(e)]);
+double DiscreteBody::compute_cell(int e, const State& state, const Tissue& tissue,
+                                  Buffer& to) const {
   const auto nodes = elements_.of(e);
   std::array<Vec3, Nodes> known;
   std::array<Vec3, Nodes> sought;
@@ -279,8 +280,17 @@ double DiscreteBody::compute_cell(int e, const State& state, Buffer& to) const {
   for (std::size_t a = 0; a < 4; ++a) {
     p[a] = state.pressure[index(nodes[a])];
   }
-  return cell_element<Nodes>({unknown_, known, sought, p, body_.tissue[c], gravity_}, to.vector,
-                             to.matrix);
+  return cell_element<Nodes>({unknown_, known, sought, p, tissue, gravity_}, to.vector, to.matrix);
+}
+
+/// What the factors have beside a soft cell: the difference to a stiffer one.
+template <std::size_t Nodes>
+void DiscreteBody::stiffen(int e, const State& state, Tissue tissue, const Buffer& soft,
+                           Buffer& stiff, fem::RowPart rows) {
+  tissue.integrity = factored_integrity;
+  compute_cell<Nodes>(e, state, tissue, stiff);
+  std::ranges::transform(stiff.matrix, soft.matrix, stiff.matrix.begin(), std::minus<>());
+  system_->add_for_factors(e, 4, stiff.matrix, rows);
 }
 
 template <std::size_t Nodes>
@@ -302,14 +312,19 @@ Worst DiscreteBody::evaluate_part(const Part& part, const State& state, bool wit
   const auto cells = static_cast<int>(cells_.size());
   Worst worst{std::numeric_limits<double>::infinity(), -1};
   Buffer cell(3 * CellNodes + 4, with_matrix);
+  Buffer stiff(3 * CellNodes + 4, with_matrix);
   Buffer face(3 * FaceNodes, with_matrix);
   for (const int e : part.elements) {
     if (e < cells) {
-      const double J = compute_cell<CellNodes>(e, state, cell);
+      const Tissue& tissue = body_.tissue[index(cells_[index(e)])];
+      const double J = compute_cell<CellNodes>(e, state, tissue, cell);
       if (!(J >= worst.J)) {
         worst = {std::isnan(J) ? -1.0 : J, cells_[index(e)]};
       }
       system_->add(e, 4, cell.vector, cell.matrix, part.rows);
+      if (with_matrix && tissue.integrity < factored_integrity) {
+        stiffen<CellNodes>(e, state, tissue, cell, stiff, part.rows);
+      }
     } else {
       compute_face<FaceNodes>(e - cells, state, at_rest, face);
       system_->add(e, 0, face.vector, face.matrix, part.rows);
@@ -358,6 +373,7 @@ bool DiscreteBody::residual_and_matrix(const State& state, std::vector<double>& 
   }
   r = system_->vector();
   subtract_dead_forces(r);
+  system_->add_for_factors(pressure_diagonal_);
   system_->finish_matrix();
   return true;
 }

@@ -58,6 +58,8 @@ class DiscreteBody {
   [[nodiscard]] double worst_J() const { return worst_.J; }
   /// "cell 12 of region 'breast' near (1.0, 2.0, 3.0) mm". Collective.
   [[nodiscard]] std::string worst_place() const;
+  /// Has any cell of any rank next to no shear stiffness, since the last begin()?
+  [[nodiscard]] bool is_soft() const { return soft_; }
   /// Mean det F over the quadrature points of every cell.
   [[nodiscard]] std::vector<double> jacobians(std::span<const Vec3> reference,
                                               std::span<const Vec3> deformed) const;
@@ -70,7 +72,10 @@ class DiscreteBody {
     std::vector<int> elements;
   };
   template <std::size_t Nodes>
-  double compute_cell(int e, const State& state, Buffer& to) const;
+  double compute_cell(int e, const State& state, const Tissue& tissue, Buffer& to) const;
+  template <std::size_t Nodes>
+  void stiffen(int e, const State& state, Tissue tissue, const Buffer& soft, Buffer& stiff,
+               fem::RowPart rows);
   template <std::size_t Nodes>
   void compute_face(int f, const State& state, bool at_rest, Buffer& to) const;
   template <std::size_t CellNodes, std::size_t FaceNodes>
@@ -82,11 +87,10 @@ class DiscreteBody {
   void list_elements();
   void list_parts();
   void set_scales();
+  void set_pressure_diagonal();
   void begin_dead_loads();
   void subtract_dead_forces(std::vector<double>& r) const;
   [[nodiscard]] bool is_mine(std::span<const int> nodes) const;
-  [[nodiscard]] std::vector<double> pressure_mass() const;
-  [[nodiscard]] double softest_integrity() const;
 
   Body body_;
   fem::EdgeTable edges_;
@@ -100,9 +104,11 @@ class DiscreteBody {
   std::unique_ptr<fem::SparseSystem> system_;
   Unknown unknown_ = Unknown::Deformed;
   std::vector<Vec3> known_;
-  std::vector<double> dead_force_;  ///< per unknown, zero where held; empty: no dead loads
+  std::vector<double> pressure_diagonal_;  ///< per node, of the factors only [m3/Pa]
+  std::vector<double> dead_force_;         ///< per unknown, zero where held; empty: no dead loads
   Vec3 gravity_{};
   double pressure_scale_ = 1.0, load_scale_ = 1.0;
+  bool soft_ = false;
   Worst worst_;
   int worst_rank_ = 0;  ///< that found it
 };

@@ -86,9 +86,10 @@ struct Solver::Impl {
   double line_search(State& state, const std::vector<double>& direction,
                      const std::vector<double>& target, double share, std::vector<double>& r,
                      double enough, bool is_last);
-  /// Is this a problem whose single cells would fold?
+  /// Is this a problem whose single cells would fold? Fresh wounds are nearly fluid.
   [[nodiscard]] bool folds() const {
-    return unknown == Unknown::Reference && discrete.body().element == Element::P1P1;
+    return (unknown == Unknown::Reference || discrete.is_soft()) &&
+           discrete.body().element == Element::P1P1;
   }
   State follow_load(State state, bool from_rest, const Context& ctx);
   [[noreturn]] void fail(double load) const;
