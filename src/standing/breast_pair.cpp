@@ -173,7 +173,7 @@ std::vector<BreastPair> find_pairs(const FrontMap& front, const ColumnMap& promi
 std::optional<BreastPair> find_level_pair(const FrontMap& front, const ColumnMap& prominence,
                                           std::optional<double> middle_x_mm) {
   constexpr double most_slope = 0.4;  // a breast and an arm are no pair
-  constexpr double unlike_mm = 30.0;  // nipples of one patient are nearly mirror images
+  constexpr double unlike_mm = 60.0;  // nipples of one patient are nearly mirror images
   std::optional<BreastPair> best;
   double most = 0.0;
   for (const BreastPair& pair : find_pairs(front, prominence)) {

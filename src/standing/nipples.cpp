@@ -153,7 +153,8 @@ class Search {
   }
   [[nodiscard]] const FrontMap& front() const { return front_; }
 
-  [[nodiscard]] std::pair<Vec3, NippleFind> find(const BreastPair& pair, std::size_t side) const {
+  [[nodiscard]] std::pair<Vec3, NippleFind> find(const BreastPair& pair, const ColumnMap& rise,
+                                                 std::size_t side) const {
     const Vec3& tip_mm = pair.tip_mm[side];
     // Not over to the other breast: it may be the larger.
     const double reach_mm =
@@ -166,9 +167,12 @@ class Search {
     if (const auto bump = bump_near(front_, bump_, shape)) {
       return {*bump, {NippleSign::Bump, bump_doubt_mm}};
     }
-    // The shape of a breast stands forward around its nipple; that of a chest rises elsewhere, too.
-    constexpr double most_off_mm = 70.0;
-    if (std::hypot(shape[0] - tip_mm[0], shape[2] - tip_mm[2]) > most_off_mm) {
+    // When the rise is a shoulder's, the foremost skin near it is a breast, or a flat chest.
+    constexpr double least_rise = 0.5;  // of that of the rise
+    const auto rise_at = [&](const Vec3& p) {
+      return rise.value[rise.nearest(p[0], p[2])];
+    };
+    if (rise_at(shape) < least_rise * rise_at(tip_mm)) {
       throw Error(
           Fault::Input,
           fmt::format("the breasts do not stand forward of the trunk clearly enough to tell "
@@ -194,8 +198,8 @@ void locate_nipples(const TexturedSurface& scan, const Mat3& rotation,
   turned.mesh = moved(std::move(turned.mesh), {rotation, {}});
   const FrontMap rough = front_map(turned.mesh, window_of(turned.mesh, 10.0), 5.0);
   const auto middle_x_mm = middle_x_m ? std::optional(1e3 * *middle_x_m) : std::nullopt;
-  const auto pair =
-      find_level_pair(rough, meshing::prominence_of(rough.skin_y, search_ball), middle_x_mm);
+  const ColumnMap rise = meshing::prominence_of(rough.skin_y, search_ball);
+  const auto pair = find_level_pair(rough, rise, middle_x_mm);
   const Search search(turned);
   const SurfaceTree skin(turned.mesh);
   std::array<Vec3, 2> nipple{};
@@ -210,7 +214,7 @@ void locate_nipples(const TexturedSurface& scan, const Mat3& rotation,
       throw Error(Fault::Input, fmt::format("no breast is found on the patient's {}", name),
                   "mark both nipples and the sternal notch (--scan-landmarks)");
     }
-    const auto [place_mm, find] = search.find(*pair, side);
+    const auto [place_mm, find] = search.find(*pair, rise, side);
     nipple[side] = skin.closest(1e-3 * place_mm).point;
     frame.nipple_find[side] = find;
     if (find.sign == NippleSign::Shape) {
