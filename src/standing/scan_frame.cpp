@@ -329,10 +329,10 @@ ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
     }
   }
   locate_nipples(scan, stance.rotation, stance.middle_x_m, marks, frame);
+  check_marks(frame, marks);
   if (!nipples) {
     check_pair(frame, stance.symmetry);
   }
-  check_marks(frame, marks);
   return frame;
 }
 
