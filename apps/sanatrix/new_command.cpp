@@ -5,7 +5,7 @@
 #include "commands.hpp"
 #include "core/error.hpp"
 #include "core/files.hpp"
-#include "pipeline/case.hpp"
+#include "pipeline/case_inputs.hpp"
 #include "unpacked.hpp"
 
 namespace sanatrix::app {

@@ -6,7 +6,7 @@
 #include "core/files.hpp"
 #include "failure.hpp"
 #include "mpi_team.hpp"
-#include "pipeline/case.hpp"
+#include "pipeline/case_inputs.hpp"
 #include "progress.hpp"
 #include "tables.hpp"
 

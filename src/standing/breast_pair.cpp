@@ -170,15 +170,23 @@ std::vector<BreastPair> find_pairs(const FrontMap& front, const ColumnMap& promi
   return pairs;
 }
 
-std::optional<BreastPair> find_level_pair(const FrontMap& front, const ColumnMap& prominence) {
+std::optional<BreastPair> find_level_pair(const FrontMap& front, const ColumnMap& prominence,
+                                          std::optional<double> middle_x_mm) {
   constexpr double most_slope = 0.4;  // a breast and an arm are no pair
+  constexpr double unlike_mm = 60.0;  // nipples of one patient are nearly mirror images
+  std::optional<BreastPair> best;
+  double most = 0.0;
   for (const BreastPair& pair : find_pairs(front, prominence)) {
-    const Vec3 along = pair.tip_mm[1] - pair.tip_mm[0];
-    if (std::abs(along[2]) < most_slope * along[0]) {
-      return pair;
+    const auto& [right, left] = pair.tip_mm;
+    const double across = right[0] + left[0] - 2 * middle_x_mm.value_or(0.5 * (right[0] + left[0]));
+    const double unlike = middle_x_mm ? std::hypot(across, left[2] - right[2]) / unlike_mm : 0.0;
+    const double merit = pair.score * std::exp(-0.5 * unlike * unlike);
+    if (std::abs(left[2] - right[2]) < most_slope * (left[0] - right[0]) && merit > most) {
+      best = pair;
+      most = merit;
     }
   }
-  return std::nullopt;
+  return best;
 }
 
 }  // namespace sanatrix::standing

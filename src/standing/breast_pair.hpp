@@ -22,8 +22,10 @@ struct BreastPair {
 
 /// Pairs on the front as it is held now, in any turn about y, the best first.
 std::vector<BreastPair> find_pairs(const FrontMap& front, const meshing::ColumnMap& prominence);
-/// The best with a line between its tips that is level.
+/// The best with a line between its tips that is level; when the trunk's middle is known, the best
+/// whose tips are mirror images, too: a breast and a rise beside a far smaller breast are not.
 std::optional<BreastPair> find_level_pair(const FrontMap& front,
-                                          const meshing::ColumnMap& prominence);
+                                          const meshing::ColumnMap& prominence,
+                                          std::optional<double> middle_x_mm = {});
 
 }  // namespace sanatrix::standing

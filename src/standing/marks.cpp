@@ -57,7 +57,8 @@ void check_marks(const TriMesh& scan, const ScanLandmarks& marks) {
 
 void check_marks(const ScanFrame& frame, const ScanLandmarks& marks) {
   constexpr double least_apart_m = 0.05;  // else a mark lies on the breast of the other
-  if (frame.nipple[1][0] - frame.nipple[0][0] < least_apart_m) {
+  const bool any = marks.nipple[0] || marks.nipple[1];
+  if (any && frame.nipple[1][0] - frame.nipple[0][0] < least_apart_m) {
     const std::size_t side = marks.nipple[1] ? 1 : 0;
     throw Error(Fault::Input,
                 fmt::format("the landmark {} lies on the patient's {} as she stands in the scan",

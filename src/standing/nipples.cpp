@@ -45,12 +45,13 @@ Vec3 place(const ColumnMap& map, std::size_t column) {
 }
 
 /// The most anterior skin of the breast around a first guess.
-std::size_t foremost(const FrontMap& front, const ColumnMap& calm_y, const Vec3& guess_mm) {
+std::size_t foremost(const FrontMap& front, const ColumnMap& calm_y, const Vec3& guess_mm,
+                     double reach_mm) {
   std::size_t best = calm_y.nearest(guess_mm[0], guess_mm[2]);
   double least = 1e300;
   for (std::size_t c = 0; c < calm_y.value.size(); ++c) {
     const Vec3 p = place(calm_y, c);
-    const bool near = std::hypot(p[0] - guess_mm[0], p[2] - guess_mm[2]) < breast_radius_mm;
+    const bool near = std::hypot(p[0] - guess_mm[0], p[2] - guess_mm[2]) < reach_mm;
     if (front.seen[c] && near && p[1] < least) {
       least = p[1];
       best = c;
@@ -62,7 +63,8 @@ std::size_t foremost(const FrontMap& front, const ColumnMap& calm_y, const Vec3&
 /// From the most anterior skin to the skin that is foremost in the direction in which breasts
 /// point: outwards, as the chest that carries them is round. Climbs, so that an arm beside the
 /// breast is not reached.
-Vec3 apex(const FrontMap& front, const ColumnMap& calm_y, std::size_t from, std::size_t side) {
+Vec3 apex(const FrontMap& front, const ColumnMap& calm_y, std::size_t from, std::size_t side,
+          double reach_mm) {
   const double outwards = (side == 0 ? -1 : 1) * std::tan(apex_turn_deg * std::numbers::pi / 180);
   const auto height = [&](std::size_t c) {
     const Vec3 p = place(calm_y, c);
@@ -76,8 +78,7 @@ Vec3 apex(const FrontMap& front, const ColumnMap& calm_y, std::size_t from, std:
     for (std::size_t c = 0; c < calm_y.value.size(); ++c) {
       const Vec3 p = place(calm_y, c);
       if (front.seen[c] && std::hypot(p[0] - here[0], p[2] - here[2]) < climb_mm &&
-          std::hypot(p[0] - start[0], p[2] - start[2]) < breast_radius_mm &&
-          height(c) > height(next)) {
+          std::hypot(p[0] - start[0], p[2] - start[2]) < reach_mm && height(c) > height(next)) {
         next = c;
       }
     }
@@ -152,13 +153,32 @@ class Search {
   }
   [[nodiscard]] const FrontMap& front() const { return front_; }
 
-  [[nodiscard]] std::pair<Vec3, NippleFind> find(const Vec3& tip_mm, std::size_t side) const {
-    const Vec3 shape = apex(front_, calm_y_, foremost(front_, calm_y_, tip_mm), side);
+  [[nodiscard]] std::pair<Vec3, NippleFind> find(const BreastPair& pair, const ColumnMap& rise,
+                                                 std::size_t side) const {
+    const Vec3& tip_mm = pair.tip_mm[side];
+    // Not over to the other breast: it may be the larger.
+    const double reach_mm =
+        std::min(breast_radius_mm, 0.5 * (pair.tip_mm[1][0] - pair.tip_mm[0][0]));
+    const std::size_t start = foremost(front_, calm_y_, tip_mm, reach_mm);
+    const Vec3 shape = apex(front_, calm_y_, start, side, reach_mm);
     if (const auto areola = find_areola(colours_, shape)) {
       return {areola->centre_mm, {NippleSign::Colour, colour_doubt_mm}};
     }
     if (const auto bump = bump_near(front_, bump_, shape)) {
       return {*bump, {NippleSign::Bump, bump_doubt_mm}};
+    }
+    // When the rise is a shoulder's, the foremost skin near it is a breast, or a flat chest.
+    constexpr double least_rise = 0.5;  // of that of the rise
+    const auto rise_at = [&](const Vec3& p) {
+      return rise.value[rise.nearest(p[0], p[2])];
+    };
+    if (rise_at(shape) < least_rise * rise_at(tip_mm)) {
+      throw Error(
+          Fault::Input,
+          fmt::format("the breasts do not stand forward of the trunk clearly enough to tell "
+                      "where the {} nipple is",
+                      side == 0 ? "right" : "left"),
+          "mark both nipples and the sternal notch (--landmarks), or give a photograph");
     }
     return {shape, {NippleSign::Shape, shape_doubt_mm}};
   }
@@ -177,7 +197,9 @@ void locate_nipples(const TexturedSurface& scan, const Mat3& rotation,
   TexturedSurface turned = scan;
   turned.mesh = moved(std::move(turned.mesh), {rotation, {}});
   const FrontMap rough = front_map(turned.mesh, window_of(turned.mesh, 10.0), 5.0);
-  const auto pair = find_level_pair(rough, meshing::prominence_of(rough.skin_y, search_ball));
+  const auto middle_x_mm = middle_x_m ? std::optional(1e3 * *middle_x_m) : std::nullopt;
+  const ColumnMap rise = meshing::prominence_of(rough.skin_y, search_ball);
+  const auto pair = find_level_pair(rough, rise, middle_x_mm);
   const Search search(turned);
   const SurfaceTree skin(turned.mesh);
   std::array<Vec3, 2> nipple{};
@@ -192,7 +214,7 @@ void locate_nipples(const TexturedSurface& scan, const Mat3& rotation,
       throw Error(Fault::Input, fmt::format("no breast is found on the patient's {}", name),
                   "mark both nipples and the sternal notch (--scan-landmarks)");
     }
-    const auto [place_mm, find] = search.find(pair->tip_mm[side], side);
+    const auto [place_mm, find] = search.find(*pair, rise, side);
     nipple[side] = skin.closest(1e-3 * place_mm).point;
     frame.nipple_find[side] = find;
     if (find.sign == NippleSign::Shape) {

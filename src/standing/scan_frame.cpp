@@ -101,7 +101,7 @@ struct Found {
 
 /// The likeliest turns seen from some directions, the best first.
 std::vector<Found> search(const TriMesh& coarse, const std::vector<Vec3>& fronts) {
-  constexpr std::size_t per_direction = 3, in_all = 10;
+  constexpr std::size_t per_direction = 6, in_all = 24;
   std::vector<Found> found;
   for (const Vec3& direction : fronts) {
     Mat3 rotation = facing(direction);
@@ -165,15 +165,23 @@ Mat3 keeping_left(const Vec3& left, const Vec3& up_about) {
   return {left, cross(up, left), up};
 }
 
-/// Turns the frame by the mirror symmetry of what is not breast and by the trunk's own axis.
-Stance refined(const TriMesh& coarse, const Mat3& rotation, const std::optional<Vec3>& up) {
+/// Right and left, in the scan's own frame [m].
+using MarkedNipples = std::optional<std::array<Vec3, 2>>;
+
+/// Turns the frame by the mirror symmetry of what is not breast and by the trunk's own axis. What
+/// is marked counts, not what looks like breasts.
+Stance refined(const TriMesh& coarse, const Mat3& rotation, const std::optional<Vec3>& up,
+               const MarkedNipples& marked) {
   const Front front = look(coarse, rotation);
   const auto pair = find_level_pair(front.map, front.prominence);
-  if (!pair) {
+  if (!pair && !marked) {
     return {rotation, {}};
   }
-  const Vec3 middle = 0.5 * (pair->tip_mm[0] + pair->tip_mm[1]);
-  const Vec3 along = normalised(pair->tip_mm[1] - pair->tip_mm[0]);
+  const auto tip_mm = [&](std::size_t side) {
+    return marked ? 1e3 * (rotation * (*marked)[side]) : pair->tip_mm[side];
+  };
+  const Vec3 middle = 0.5 * (tip_mm(0) + tip_mm(1));
+  const Vec3 along = normalised(tip_mm(1) - tip_mm(0));
   std::vector<bool> still;
   for (const Vec3& p : front.surface.points) {
     const bool near =
@@ -181,7 +189,16 @@ Stance refined(const TriMesh& coarse, const Mat3& rotation, const std::optional<
     const double rise = front.prominence.value[front.prominence.nearest(1e3 * p[0], 1e3 * p[2])];
     still.push_back(near && rise < still_mm);
   }
-  const MirrorPlane mirror = fit_mirror(front.surface, still, {along, 1e-3 * dot(along, middle)});
+  MirrorPlane mirror = fit_mirror(front.surface, still, {along, 1e-3 * dot(along, middle)});
+  // Of breasts of two sizes one nipple lies farther back, as if she had turned.
+  for (const double turn : {-0.25, 0.25}) {
+    const Vec3 turned = normalised(along + turn * cross(Vec3{0, 0, 1}, along));
+    const MirrorPlane other =
+        marked ? fit_mirror(front.surface, still, {turned, 1e-3 * dot(turned, middle)}) : mirror;
+    if (other.share > mirror.share) {
+      mirror = other;
+    }
+  }
   // Symmetry that contradicts the breasts by far has found something else.
   constexpr double most_shift_m = 0.025;
   const bool agree = dot(mirror.normal, along) > most_turn &&
@@ -225,7 +242,7 @@ Stance best_stance(const TriMesh& coarse, const std::vector<Vec3>& fronts,
       rotation = {-1.0 * rotation[0], rotation[1], -1.0 * rotation[2]};
     }
     if (found.score > least_score) {
-      const Stance stance = refined(coarse, rotation, up);
+      const Stance stance = refined(coarse, rotation, up, std::nullopt);
       stances.emplace_back(stance, found.score * std::pow(stance.symmetry, 4));
     }
   }
@@ -266,16 +283,38 @@ Stance found_stance(const TriMesh& coarse, const std::optional<Vec3>& up) {
   return best_stance(coarse, about(front), up);
 }
 
+/// A breast and something else that stands forward, a shoulder or a flank, are neither mirror
+/// images nor on a trunk that is one: found when a breast is missing or flat.
+void check_pair(const ScanFrame& frame, double symmetry) {
+  constexpr double least_symmetry = 0.6;  // 0.85 to 0.99 on trunks, 0.36 to 0.50 on what is none
+  constexpr double most_unlike_m = 0.05, least_apart_m = 0.1;  // of the nipples of one patient
+  const Vec3 &right = frame.nipple[0], &left = frame.nipple[1];
+  const double unlike = std::hypot(right[0] + left[0], right[2] - left[2]);
+  if (symmetry < least_symmetry || unlike > most_unlike_m || left[0] - right[0] < least_apart_m) {
+    throw Error(Fault::Input,
+                fmt::format("the two breasts that are found are no pair: of the trunk around them "
+                            "{:.0f} % is symmetric, and the nipples lie {:.0f} mm apart, {:.0f} mm "
+                            "from being mirror images; a breast may be missing, flat or covered",
+                            100 * symmetry, 1e3 * (left[0] - right[0]), 1e3 * unlike),
+                "when both are there, mark both nipples and the sternal notch (--landmarks)");
+  }
+}
+
 }  // namespace
 
 ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
   const TriMesh coarse = outcome::coarsened(scan.mesh, search_edge_m);
   ScanFrame frame;
-  const bool marked = marks.nipple[0] && marks.nipple[1] && marks.sternal_notch;
   check_marks(coarse, marks);
   const std::optional<Vec3> up = marks.up ? std::optional(normalised(*marks.up)) : std::nullopt;
-  Stance stance = marked ? refined(coarse, marked_rotation(marks), up) : found_stance(coarse, up);
-  if (const Stance again = refined(coarse, stance.rotation, up);
+  MarkedNipples nipples;
+  if (marks.nipple[0] && marks.nipple[1]) {
+    nipples = {*marks.nipple[0], *marks.nipple[1]};
+  }
+  const bool marked = nipples && marks.sternal_notch;
+  Stance stance =
+      marked ? refined(coarse, marked_rotation(marks), up, nipples) : found_stance(coarse, up);
+  if (const Stance again = refined(coarse, stance.rotation, up, nipples);
       again.symmetry >= 0.9 * stance.symmetry) {
     stance = again;
   }
@@ -291,6 +330,9 @@ ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
   }
   locate_nipples(scan, stance.rotation, stance.middle_x_m, marks, frame);
   check_marks(frame, marks);
+  if (!nipples) {
+    check_pair(frame, stance.symmetry);
+  }
   return frame;
 }
 

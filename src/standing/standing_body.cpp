@@ -73,6 +73,20 @@ double check_coverage(const FrontMap& front, const meshing::BreastMap& breasts) 
   return (unseen[0] + unseen[1]) / (all[0] + all[1]);
 }
 
+/// An arm that is pressed against a breast would be taken for its end.
+void check_arms(const std::array<double, 2>& armpit_mm, const std::array<Vec3, 2>& nipple_mm) {
+  constexpr double least_mm = 35.0;  // breasts reach farther outwards from their nipple
+  for (std::size_t side = 0; side < 2; ++side) {
+    const double beside = std::abs(armpit_mm[side] - nipple_mm[side][0]);
+    if (beside < least_mm) {
+      throw Error(Fault::Input,
+                  fmt::format("an arm lies {:.0f} mm beside the {} nipple, on the breast", beside,
+                              name_of(side)),
+                  "scan the patient with her arms held away, or cut the arms off the scan");
+    }
+  }
+}
+
 /// Beyond the scan's ends nothing is known, and beyond the armpits are the arms: no breast is
 /// there.
 void bound(const FrontMap& front, const std::array<double, 2>& armpit_mm,
@@ -197,6 +211,7 @@ class Painter {
                                      .ball = meshing::standing_ball,
                                      .breast_reach_mm = meshing::standing_reach_mm});
     const std::array<double, 2> armpit_mm = armpits(front_, nipple_mm_);
+    check_arms(armpit_mm, nipple_mm_);
     bound(front_, armpit_mm, breasts_);
     StandingBody result;
     result.unseen_share = check_coverage(front_, breasts_);

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "fem/session.hpp"
+#include "pipeline/case_inputs.hpp"
 #include "pipeline/convergence.hpp"
 #include "pipeline/phantom_files.hpp"
 #include "verification/cases.hpp"

@@ -40,6 +40,8 @@ export interface CaseSummary {
   inputs: string[]; plan: string; plan_name: string; side: Side | null; outcome: Outcome | null;
   outcome_fresh?: boolean; broken?: boolean; photograph?: boolean;
 }
+/** Nothing but a surface scan is known: captured standing, with an estimated chest wall. */
+export const isScanOnly = (s: CaseSummary): boolean => !s.inputs.includes('image') && !s.inputs.includes('labels');
 export interface Job {
   id: string; case: string; kind: 'create' | 'run';
   state: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';

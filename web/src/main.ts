@@ -1,9 +1,10 @@
 // Start: who are we talking to, what does the address ask for, and what changes while we look.
 import { api, listen, Refusal } from './api';
-import { App, frame, path, type Step, type StepName, type StepView } from './app';
+import { App, type Step, type StepName, type StepView } from './app';
 import { showCases } from './cases/list';
 import { compareStep } from './compare/panel';
 import { fill, h } from './dom';
+import { frame, path } from './frame';
 import { healingStep } from './healing/panel';
 import { resultStep } from './outcome/panel';
 import { usual } from './outcome/whatIf';

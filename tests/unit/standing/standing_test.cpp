@@ -79,6 +79,34 @@ TEST(ScanFrame, ATrunkWithoutBreastsIsRefused) {
   EXPECT_THROW(find_frame(plain(Trunk{.rise_mm = 4.0}.scan()), {}), Error);
 }
 
+TEST(ScanFrame, AFarSmallerBreastIsFoundWhereItIs) {
+  const ScanFrame frame = find_frame(plain(Trunk{.left_share = 0.5, .left_arm = true}.scan()), {});
+  // The flat top of a small breast blurs its nipple by the stated doubt.
+  EXPECT_NEAR(1e3 * frame.nipple[1][0], 80.0, frame.nipple_find[1].doubt_mm);
+  EXPECT_NEAR(1e3 * frame.nipple[0][0], -80.0, frame.nipple_find[0].doubt_mm);
+}
+
+TEST(ScanFrame, MarksCountMoreThanWhatLooksLikeBreasts) {
+  // The arm and the large breast would be the likelier pair.
+  const Trunk trunk{.left_share = 0.25, .left_arm = true};
+  ScanLandmarks marks;
+  marks.nipple = {1e-3 * Vec3{-80, Trunk::chest(80) - 50, 0},
+                  1e-3 * Vec3{80, Trunk::chest(80) - 12, 0}};
+  marks.sternal_notch = 1e-3 * Vec3{0, Trunk::chest(0), 140};
+  const ScanFrame frame = find_frame(plain(trunk.scan()), marks);
+  EXPECT_LT(degrees_off(frame, {})[1], 1.0);  // the scan's 4 mm columns at 150 mm
+  for (const std::size_t side : {0U, 1U}) {
+    // By more than that the trunk's middle may not differ from that of the marks.
+    EXPECT_NEAR(1e3 * frame.nipple[side][0], side == 0 ? -80.0 : 80.0, 25.0);
+  }
+}
+
+TEST(ScanFrame, ABreastAndWhatStandsForwardElsewhereAreRefused) {
+  for (const bool arm : {false, true}) {
+    EXPECT_THROW(find_frame(plain(Trunk{.left_share = 0.0, .left_arm = arm}.scan()), {}), Error);
+  }
+}
+
 StandingBody body_of(const Trunk& trunk, double depth_mm = usual_wall_depth_mm) {
   Silent silent;
   const std::array<Vec3, 2> nipple{1e-3 * Vec3{-81, Trunk::chest(81) - 50, 0},

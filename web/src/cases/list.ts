@@ -1,7 +1,8 @@
 // All cases, grouped by patient. No pictures of anybody in lists.
 import { api, type CaseSummary } from '../api';
-import { frame, type App } from '../app';
+import type { App } from '../app';
 import { fill, h } from '../dom';
+import { frame } from '../frame';
 import { families, presetOf } from '../outcome/whatIf';
 import { estimate, inWords } from '../run/eta';
 import { text } from '../text';

@@ -29,7 +29,7 @@ export async function resultStep(app: App): Promise<StepView> {
   fill(panel, [h('h2', {}, text.steps.result[0]),
     s.outcome_fresh ? h('p', {}, t.lead) : h('p', { class: 'warning' }, t.stale),
     controls, scale, table(rowsOf(s.outcome).filter((r) => r.first)),
-    h('details', {}, h('summary', {}, t.moreIndices), table(rowsOf(s.outcome).filter((r) => !r.first))), others.element, h('p', { class: 'quiet' }, t.noise), h('p', { class: 'quiet' }, t.range),
+    h('details', {}, h('summary', {}, t.moreIndices), table(rowsOf(s.outcome).filter((r) => !r.first))), others.element, h('p', { class: 'quiet' }, t.noise), h('p', { class: 'quiet' }, t.range(Boolean(s.outcome.wall_range ?? s.outcome.scan_only))),
     h('div', { class: 'buttons' },
       s.outcome_fresh && report ? h('a', { class: 'button primary', id: 'report', href: `${api.fileAddress(s.id, report.stage, report.file)}?save=1`, download: '' }, t.report) : app.session.abilities.report && s.outcome_fresh
         ? h('button', { id: 'make-report', disabled: app.busy(s.id), onclick: () => app.attempt(() => api.run(s.id, {})) }, t.makeReport) : null,

@@ -38,11 +38,12 @@ test('the doubt about the chest wall is a range of its own, and from a scan alon
   const wall_range = {
     moved_mm: 7, failed: {}, breast_volume_cm3: { L: range(466, 613), R: range(450, 600) },
     excised_cm3: range(37, 52), excised_percent: range(8, 9), resection_to_chest_mm: range(2, 16),
-    max_displacement_upright_mm: range(1.26, 1.28), mean_displacement_upright_mm: range(0.29, 0.36),
+    max_displacement_upright_mm: range(1.26, 1.29), mean_displacement_upright_mm: range(0.29, 0.36),
   };
   expect(shown({ ...outcome, wall_range }, 'Mean skin')).toBe('0.3 … 0.4');
   const breast = rowsOf(outcome).find((r) => r.label.includes('eft'))!.label;
   expect(shown({ ...outcome, wall_range }, breast)).toBe('466 … 613');
+  expect(shown({ ...outcome, wall_range }, 'Largest skin'), 'no range where no shown digit changes').toBe(undefined);
   const volume = outcome.breast_volume_cm3.L;
   const scan_only = { breast_volume_doubt_cm3: { L: 40, R: 40 } };
   expect(shown({ ...outcome, scan_only }, breast)).toBe(`${(volume - 40).toFixed(0)} … ${(volume + 40).toFixed(0)}`);

@@ -19,9 +19,12 @@ export function rowsOf(o: Outcome): Row[] {
   const most = row(t.maxMove, o.max_displacement_upright_mm, 'mm', 1, o.max_displacement_upright_mm < noise_mm);
   if (typeof mesh === 'number') Object.assign(most, { range: `± ${mesh.toFixed(1)}`, note: t.meshError });
   const wall = o.wall_range ?? null;
-  const withWall = (r: Row, range: Range | undefined, digits = 1): Row => (range ? { ...r,
-    range: [r.range, `${shown(range.low, '', digits)} … ${shown(range.high, '', digits)}`].filter(Boolean).join('; '),
-    note: [r.note, t.wallError].filter(Boolean).join('. ') } : r);
+  const withWall = (r: Row, range: Range | undefined, digits = 1): Row => {
+    if (!range) return r;
+    const [low, high] = [range.low, range.high].map((v) => shown(v, '', digits));
+    return { ...r, range: [r.range, low === high ? '' : `${low} … ${high}`].filter(Boolean).join('; ') || undefined,
+      note: [r.note, t.wallError].filter(Boolean).join('. ') };
+  };
   const breast = (label: string, side: Side): Row => {
     const volume = o.breast_volume_cm3[side], doubt = o.scan_only?.breast_volume_doubt_cm3?.[side];
     const around = typeof doubt === 'number' ? { low: volume - doubt, high: volume + doubt } : undefined;

@@ -1,5 +1,5 @@
 // Steps A and B: the images in three planes with the tissue in colour, and one crosshair for all.
-import { api, type Point, type VolumeHead } from '../api';
+import { api, isScanOnly, type Point, type VolumeHead } from '../api';
 import type { App, StepView } from '../app';
 import type { Bundle } from '../bundle';
 import { fill, h, notes } from '../dom';
@@ -47,12 +47,12 @@ class Slices {
   }
 
   view(): StepView {
-    const { head } = this.data;
-    fill(this.panel, [h('h2', {}, text.steps.patient[0]), h('p', {}, t.lead), this.where,
+    const { head } = this.data, scanned = isScanOnly(this.app.summary!);
+    fill(this.panel, [h('h2', {}, text.steps.patient[0]), h('p', {}, t.lead(scanned)), this.where,
       this.tumour ? h('button', { onclick: () => { this.at = [...this.tumour!] as Point; this.draw(); } }, t.showTumour) : null,
       h('label', { class: 'check' }, h('input', { type: 'checkbox', checked: true, id: 'overlay', onchange: () => { this.overlay = !this.overlay; this.draw(); } }), t.overlay),
-      this.grey ? null : h('p', { class: 'quiet' }, t.noGrey),
-      h('ul', { class: 'legend' }, ...[1, 2, 3, 4, 5, 8, 9].map((label) => h('li', {}, swatch(labelColours[label]), t.tissues[label]))),
+      this.grey ? null : h('p', { class: 'quiet' }, scanned ? t.estimated : t.noGrey),
+      h('ul', { class: 'legend' }, ...[1, 2, 3, 4, 5, 8, 9].filter((label) => this.labels.includes(label)).map((label) => h('li', {}, swatch(labelColours[label]), t.tissues[label]))),
       notes(this.app.summary!.stages.slice(0, 2).flatMap((s) => s.warnings))]);
     const stage = h('div', { class: 'slices' }, ...planes.map((p, i) => {
       const canvas = this.canvases[i];
