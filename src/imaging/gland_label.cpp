@@ -10,8 +10,8 @@
 namespace sanatrix::imaging {
 namespace {
 
-/// Of the share of gland between neighbouring voxels, for the smoothing.
-constexpr double share_step = 0.25;
+/// What looks like noise is partly texture and strands of gland, which should stay.
+constexpr double noise_alone = 0.7;
 /// A voxel with this share counts as gland. Less than a half, since slices that are thicker than
 /// strands of gland mix them with the fat around, which is more than the gland; the less the fewer
 /// of the voxels with gland hold little else.
@@ -37,7 +37,7 @@ Image3<float> plain_share(const Image3<float>& image, const Image3<float>& fat_s
 /// Noise of that share: the scanner's is the same everywhere, the signal is not.
 Image3<float> deviation_of_share(const Image3<float>& image, const Image3<float>& fat_signal,
                                  const GlandularModel& gland, const Mask& clean) {
-  const double noise = noise_deviation(image, clean);
+  const double noise = noise_alone * noise_deviation(image, clean);
   Image3<float> deviation = image_like<float>(image);
   for (std::size_t v = 0; v < deviation.voxels.size(); ++v) {
     deviation.voxels[v] =
@@ -59,7 +59,7 @@ double least_share(const GlandularModel& gland) {
 /// Gaussian means of shares over the surroundings, of clean voxels alone.
 template <class Value>
 Image3<float> mean_around(const Mask& clean, const Value& value) {
-  constexpr double surroundings_mm = 7.0;
+  constexpr double surroundings_mm = 11.0;
   Image3<float> sum = image_like<float>(clean), weight = sum;
   for (std::size_t v = 0; v < sum.voxels.size(); ++v) {
     if (clean.voxels[v] != 0) {
@@ -77,9 +77,8 @@ Image3<float> mean_around(const Mask& clean, const Value& value) {
 
 /// Strands are lost in noise one by one, but where some are there are more: a noisy share is drawn
 /// towards the mean of its surroundings the more, the more its noise exceeds what shares differ by
-/// there (Lee, doi:10.1109/TPAMI.1980.4766994). It would blur solid gland, whose edges are clear.
-void draw_to_surroundings(Image3<float>& share, Image3<float>& deviation, const Mask& clean,
-                          double solid) {
+/// there (Lee, doi:10.1109/TPAMI.1980.4766994).
+void draw_to_surroundings(Image3<float>& share, Image3<float>& deviation, const Mask& clean) {
   constexpr float least_variance = 1e-4F;
   const Image3<float> mean = mean_around(clean, [&](std::size_t v) { return share.voxels[v]; });
   const Image3<float> variance = mean_around(clean, [&](std::size_t v) {
@@ -90,7 +89,7 @@ void draw_to_surroundings(Image3<float>& share, Image3<float>& deviation, const 
     if (clean.voxels[v] != 0) {
       const float differs = std::max(variance.voxels[v], least_variance);
       const float noise = deviation.voxels[v] * deviation.voxels[v];
-      const float own = std::lerp(differs / (differs + noise), 1.0F, static_cast<float>(solid));
+      const float own = differs / (differs + noise);
       share.voxels[v] = mean.voxels[v] + own * (share.voxels[v] - mean.voxels[v]);
       deviation.voxels[v] *= std::sqrt(own);
     }
@@ -105,10 +104,8 @@ void harden(LabelImage& labels, const Image3<float>& share, Image3<float> deviat
             const GlandularModel& model, const Mask& clean) {
   const double gland_share = least_share(model);
   Image3<float> drawn = share;
-  if (solidity(model) < 1.0) {
-    draw_to_surroundings(drawn, deviation, clean, solidity(model));
-  }
-  const Image3<float> around = without_noise(drawn, deviation, clean, share_step);
+  draw_to_surroundings(drawn, deviation, clean);
+  const Image3<float> around = without_noise(drawn, deviation, clean);
   std::vector<float> candidates;
   long gland = 0;
   for (std::size_t v = 0; v < around.voxels.size(); ++v) {
