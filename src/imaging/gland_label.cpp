@@ -1,4 +1,4 @@
-// Which voxels count as gland: how many by their own shares, which by what lies around them.
+// Which voxels count as gland: by their shares, after noise has been taken off.
 #include "imaging/gland_label.hpp"
 
 #include <algorithm>
@@ -12,12 +12,6 @@ namespace {
 
 /// What looks like noise is partly texture and strands of gland, which should stay.
 constexpr double noise_alone = 0.7;
-/// A voxel with this share counts as gland. Less than a half, since slices that are thicker than
-/// strands of gland mix them with the fat around, which is more than the gland; the less the fewer
-/// of the voxels with gland hold little else.
-constexpr double solid_gland_share = 0.48, strand_gland_share = 0.42;
-constexpr double solid_part = 0.65, strand_part = 0.45;
-
 /// The share of gland that the image itself says, without smoothing and beyond 0 and 1, so that
 /// noise has no preferred sign; 0 where it is not mixed of fat and gland.
 Image3<float> plain_share(const Image3<float>& image, const Image3<float>& fat_signal,
@@ -47,13 +41,26 @@ Image3<float> deviation_of_share(const Image3<float>& image, const Image3<float>
   return deviation;
 }
 
-/// 0 where gland is all strands, 1 where it is solid.
-double solidity(const GlandularModel& gland) {
-  return std::clamp((gland.solid - strand_part) / (solid_part - strand_part), 0.0, 1.0);
+/// A smoothed voxel with this share counts as gland. Less than a half: slices that are thicker than
+/// strands of gland mix them with the fat around, and smoothing draws them farther towards it, the
+/// more noise there is (`deviation`, of the middle voxel). More where gland is solid.
+double least_share(const GlandularModel& gland, double deviation) {
+  return 0.26 + 0.22 * std::exp(-deviation / 0.15) + 0.3 * std::max(gland.solid - 0.55, 0.0);
 }
 
-double least_share(const GlandularModel& gland) {
-  return std::lerp(strand_gland_share, solid_gland_share, solidity(gland));
+double median(const Image3<float>& image, const Mask& where) {
+  std::vector<float> values;
+  for (std::size_t v = 0; v < image.voxels.size(); ++v) {
+    if (where.voxels[v] != 0) {
+      values.push_back(image.voxels[v]);
+    }
+  }
+  if (values.empty()) {
+    return 0.0;
+  }
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 /// Gaussian means of shares over the surroundings, of clean voxels alone.
@@ -96,44 +103,20 @@ void draw_to_surroundings(Image3<float>& share, Image3<float>& deviation, const 
   }
 }
 
-/// Fibroglandular is what holds more gland than fat. Which voxels is decided by the share of the
-/// surroundings, since noise sits in single voxels; how many by the shares themselves, since a mean
-/// over the surroundings thins strands. Where noise lets fat look like gland, it lets as much fat
-/// look as far brighter than fat: these are taken off.
-void harden(LabelImage& labels, const Image3<float>& share, Image3<float> deviation,
-            const GlandularModel& model, const Mask& clean) {
-  const double gland_share = least_share(model);
-  Image3<float> drawn = share;
-  draw_to_surroundings(drawn, deviation, clean);
-  const Image3<float> around = without_noise(drawn, deviation, clean);
-  std::vector<float> candidates;
-  long gland = 0;
-  for (std::size_t v = 0; v < around.voxels.size(); ++v) {
-    if (clean.voxels[v] != 0) {
-      candidates.push_back(around.voxels[v]);
-      const double here = share.voxels[v];
-      gland += here > gland_share ? 1 : here < -gland_share ? -1 : 0;
-    }
-  }
-  if (gland <= 0) {
-    return;
-  }
-  const auto least = candidates.end() - gland;
-  std::nth_element(candidates.begin(), least, candidates.end());
-  const float threshold = *least;
-  for (std::size_t v = 0; v < around.voxels.size(); ++v) {
-    if (clean.voxels[v] != 0 && around.voxels[v] >= threshold) {
-      labels.voxels[v] = static_cast<unsigned char>(Label::Fibroglandular);
-    }
-  }
-}
-
 }  // namespace
 
 void label_gland(LabelImage& labels, const Image3<float>& image, const Image3<float>& fat_signal,
                  const GlandularModel& gland, const Mask& clean) {
-  harden(labels, plain_share(image, fat_signal, gland, clean),
-         deviation_of_share(image, fat_signal, gland, clean), gland, clean);
+  Image3<float> share = plain_share(image, fat_signal, gland, clean);
+  Image3<float> deviation = deviation_of_share(image, fat_signal, gland, clean);
+  const auto least = static_cast<float>(least_share(gland, median(deviation, clean)));
+  draw_to_surroundings(share, deviation, clean);
+  share = without_noise(share, deviation, clean);
+  for (std::size_t v = 0; v < share.voxels.size(); ++v) {
+    if (clean.voxels[v] != 0 && share.voxels[v] >= least) {
+      labels.voxels[v] = static_cast<unsigned char>(Label::Fibroglandular);
+    }
+  }
 }
 
 }  // namespace sanatrix::imaging
