@@ -65,14 +65,15 @@ Image3<float> edge_of_skin(const Image3<float>& fat_signal, const AirSignal& air
   return edge;
 }
 
-/// No threshold where tissue is known to be.
+/// No threshold where tissue is known to be; it is too dim to tell gland from fat.
+constexpr float known_tissue = -1.0F;
 void add_dim_tissue(Image3<float>& edge, const Image3<float>& dim) {
   std::size_t v = 0;
   for (int k = 0; k < edge.size[2]; ++k) {
     for (int j = 0; j < edge.size[1]; ++j) {
       for (int i = 0; i < edge.size[0]; ++i, ++v) {
         if (sample(dim, edge.position_mm(i, j, k)) > 0.5) {
-          edge.voxels[v] = -1.0F;
+          edge.voxels[v] = known_tissue;
         }
       }
     }
@@ -292,7 +293,7 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
           label = behind_wall(behind, relative);
         } else if (outside.voxels[v] > -skin_mm) {
           label = Label::Skin;
-        } else if (thick.holds_breast_only(i, j, k) && edge.voxels[v] >= 0.0F) {
+        } else if (edge.voxels[v] != known_tissue && thick.holds_breast_only(i, j, k)) {
           clean.voxels[v] = 1;
           found.grid.fibroglandular.voxels[v] = glandular_share(coarse.gland, relative);
         }

@@ -102,10 +102,15 @@ std::vector<float> in_front_of_body(const Image3<float>& image, const Image3<flo
 }
 
 /// Median and deviation of the darkest mode. Tissue among air is always brighter: the deviation is
-/// that of the dark side, and what is above four of them is cut off.
+/// that of the dark side, and what is above four of them is cut off. Zeros are padding, not air,
+/// unless nearly all is zero.
 AirSignal dark_mode(std::vector<float> values) {
-  constexpr double below_one_deviation = 0.159;
+  constexpr double below_one_deviation = 0.159, least_air = 0.1;
   require(!values.empty(), "the image has no dark surroundings: the patient fills all of it");
+  const auto zeros = std::ranges::count(values, 0.0F);
+  if (static_cast<double>(zeros) < (1.0 - least_air) * static_cast<double>(values.size())) {
+    std::erase(values, 0.0F);
+  }
   std::ranges::sort(values);
   AirSignal air;
   for (int round = 0; round < 12; ++round) {

@@ -12,6 +12,9 @@ namespace {
 
 /// What looks like noise is partly texture and strands of gland, which should stay.
 constexpr double noise_alone = 0.7;
+/// Deviation of a share beyond which gland cannot be told from fat: three of them are all of it.
+constexpr float most_noise = 0.35F;
+
 /// The share of gland that the image itself says, without smoothing and beyond 0 and 1, so that
 /// noise has no preferred sign; 0 where it is not mixed of fat and gland.
 Image3<float> plain_share(const Image3<float>& image, const Image3<float>& fat_signal,
@@ -106,9 +109,15 @@ void draw_to_surroundings(Image3<float>& share, Image3<float>& deviation, const 
 }  // namespace
 
 void label_gland(LabelImage& labels, const Image3<float>& image, const Image3<float>& fat_signal,
-                 const GlandularModel& gland, const Mask& clean) {
+                 const GlandularModel& gland, const Mask& pure) {
+  Image3<float> deviation = deviation_of_share(image, fat_signal, gland, pure);
+  Mask clean = pure;
+  for (std::size_t v = 0; v < clean.voxels.size(); ++v) {
+    if (deviation.voxels[v] > most_noise) {
+      clean.voxels[v] = 0;
+    }
+  }
   Image3<float> share = plain_share(image, fat_signal, gland, clean);
-  Image3<float> deviation = deviation_of_share(image, fat_signal, gland, clean);
   const auto least = static_cast<float>(least_share(gland, median(deviation, clean)));
   draw_to_surroundings(share, deviation, clean);
   share = without_noise(share, deviation, clean);
