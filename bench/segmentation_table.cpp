@@ -181,7 +181,7 @@ void add_synthetic(std::vector<Case>& cases) {
                return testing::synthetic_mri(body, contrast, scanner);
              }});
         if (std::string(name) == "dev02") {
-          cases.back().name.insert(5, "labels ");
+          cases.back().name.insert(6, "labels ");
         }
       }
     }

@@ -65,6 +65,21 @@ Image3<float> edge_of_skin(const Image3<float>& fat_signal, const AirSignal& air
   return edge;
 }
 
+/// No threshold where tissue is known to be; it is too dim to tell gland from fat.
+constexpr float known_tissue = -1.0F;
+void add_dim_tissue(Image3<float>& edge, const Image3<float>& dim) {
+  std::size_t v = 0;
+  for (int k = 0; k < edge.size[2]; ++k) {
+    for (int j = 0; j < edge.size[1]; ++j) {
+      for (int i = 0; i < edge.size[0]; ++i, ++v) {
+        if (sample(dim, edge.position_mm(i, j, k)) > 0.5) {
+          edge.voxels[v] = known_tissue;
+        }
+      }
+    }
+  }
+}
+
 /// Skin between the breasts: where the front of the body lies deepest between two rises.
 struct Cleft {
   double i_mm, j_mm;
@@ -161,6 +176,7 @@ struct Coarse {
   Vec3 first_mm;  ///< the image's first voxel, seen from the working grid
   AirSignal air;
   Image3<float> noise;  ///< share of the air's
+  Image3<float> dim;    ///< tissue that single voxels do not tell from air
   GlandularModel gland;
 };
 
@@ -172,7 +188,10 @@ Coarse find_on_working_grid(const Image3<float>& ordered, const Context& ctx) {
   ctx.at(0.1, "coil shading");
   FatField field = estimate_fat_field(small, below_skin(rough, 3.0, 25.0), wide_knots_mm);
   Image3<float> signal = fat_signal_on(field, small);
-  const Mask body = body_mask(small, edge_of_skin(signal, air, noise));
+  Image3<float> edge = edge_of_skin(signal, air, noise);
+  Image3<float> dim = dim_tissue(small, edge, signal, noise);
+  add_dim_tissue(edge, dim);
+  const Mask body = body_mask(small, edge);
   const Cleft cleft = find_cleft(body);
   ctx.at(0.35, "chest wall");
   ChestWall wall = find_chest_wall(divided(small, signal), body, cleft.i_mm, cleft.j_mm);
@@ -187,7 +206,13 @@ Coarse find_on_working_grid(const Image3<float>& ordered, const Context& ctx) {
   wall = find_chest_wall(relative, body, cleft.i_mm, cleft.j_mm);
   const Mask soft = soft_interior(body, wall, 4.0, 3.0);
   const GlandularModel gland = fit_glandular_model(relative, soft);
-  return {std::move(field), std::move(wall), offset_mm(ordered, small), air, noise, gland};
+  return {std::move(field),
+          std::move(wall),
+          offset_mm(ordered, small),
+          air,
+          noise,
+          std::move(dim),
+          gland};
 }
 
 Label behind_wall(double depth_mm, float relative) {
@@ -243,7 +268,9 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
   const Vec3 first = coarse.first_mm;
   const Image3<float> signal = fat_signal_on(coarse.field, ordered, first);
   const Image3<float> smoothed = in_plane_smoothed(ordered, 0.5);
-  const Mask body = body_mask(smoothed, edge_of_skin(signal, coarse.air, coarse.noise));
+  Image3<float> edge = edge_of_skin(signal, coarse.air, coarse.noise);
+  add_dim_tissue(edge, coarse.dim);
+  const Mask body = body_mask(smoothed, edge);
   const Image3<float> outside = signed_distance(body, {true, true, true}, 6.0);
   const ThickSlice thick(outside, coarse.wall, ordered, first);
   AutomaticLabels found;
@@ -266,7 +293,7 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
           label = behind_wall(behind, relative);
         } else if (outside.voxels[v] > -skin_mm) {
           label = Label::Skin;
-        } else if (thick.holds_breast_only(i, j, k)) {
+        } else if (edge.voxels[v] != known_tissue && thick.holds_breast_only(i, j, k)) {
           clean.voxels[v] = 1;
           found.grid.fibroglandular.voxels[v] = glandular_share(coarse.gland, relative);
         }

@@ -81,6 +81,49 @@ Mask outside_air(const Mask& body) {
   return air;
 }
 
+/// The values of what lies in front of all in its column that is above the threshold.
+std::vector<float> in_front_of_body(const Image3<float>& image, const Image3<float>& threshold,
+                                    const Image3<float>& values) {
+  constexpr double apart_mm = 9.0;  // no skin, and three times the widest smoothing
+  const auto apart = static_cast<int>(std::ceil(apart_mm / image.spacing_mm[1]));
+  std::vector<float> found;
+  for (int k = 0; k < image.size[2]; ++k) {
+    for (int i = 0; i < image.size[0]; ++i) {
+      int front = 0;
+      while (front < image.size[1] && image.at(i, front, k) <= threshold.at(i, front, k)) {
+        ++front;
+      }
+      for (int j = 0; j < front - apart; ++j) {
+        found.push_back(values.at(i, j, k));
+      }
+    }
+  }
+  return found;
+}
+
+/// Median and deviation of the darkest mode. Tissue among air is always brighter: the deviation is
+/// that of the dark side, and what is above four of them is cut off. Zeros are padding, not air,
+/// unless nearly all is zero.
+AirSignal dark_mode(std::vector<float> values) {
+  constexpr double below_one_deviation = 0.159, least_air = 0.1;
+  require(!values.empty(), "the image has no dark surroundings: the patient fills all of it");
+  const auto zeros = std::ranges::count(values, 0.0F);
+  if (static_cast<double>(zeros) < (1.0 - least_air) * static_cast<double>(values.size())) {
+    std::erase(values, 0.0F);
+  }
+  std::ranges::sort(values);
+  AirSignal air;
+  for (int round = 0; round < 12; ++round) {
+    const auto n = static_cast<double>(values.size());
+    air.mean = static_cast<double>(values[values.size() / 2]);
+    air.deviation =
+        air.mean - static_cast<double>(values[static_cast<std::size_t>(below_one_deviation * n)]);
+    const auto limit = static_cast<float>(air.mean + 4.0 * air.deviation + 1e-6);
+    values.erase(std::ranges::upper_bound(values, limit), values.end());
+  }
+  return air;
+}
+
 constexpr double tile_mm = 12.0;
 constexpr double quiet = 0.25;  ///< quantile of a tile's differences; edges are the other ones
 constexpr float least_noise_share = 0.15F;
@@ -123,7 +166,43 @@ Image3<float> widened(const Image3<float>& tiles) {
   return result;
 }
 
+constexpr double dim_scale_mm = 3.0;  ///< standard deviation of the mean's Gaussian weights
+
+/// The mean of the voxels around. What is above the threshold counts as the threshold, or it would
+/// shine over the edge of the body: outside, no more than half of the way to the threshold is left.
+Image3<float> capped_mean(const Image3<float>& image, const Image3<float>& threshold) {
+  Image3<float> mean = image;
+  for (std::size_t v = 0; v < image.voxels.size(); ++v) {
+    mean.voxels[v] = std::min(image.voxels[v], threshold.voxels[v]);
+  }
+  smooth(mean, dim_scale_mm);
+  return mean;
+}
+
 }  // namespace
+
+Image3<float> dim_tissue(const Image3<float>& image, const Image3<float>& threshold,
+                         const Image3<float>& fat_signal, const Image3<float>& noise) {
+  constexpr double clear = 5.0;         ///< deviations
+  constexpr double rise = 0.35;         ///< of the way from air to fat: beyond the edge is skin
+  constexpr double share_error = 1.15;  ///< of a tile; what looks like less noise may be chance
+  const Image3<float> mean = capped_mean(image, threshold);
+  const AirSignal air = dark_mode(in_front_of_body(image, threshold, mean));
+  Image3<float> dim = image_like<float>(image);
+  std::size_t v = 0;
+  for (int k = 0; k < image.size[2]; ++k) {
+    for (int j = 0; j < image.size[1]; ++j) {
+      for (int i = 0; i < image.size[0]; ++i, ++v) {
+        const double share = std::min(1.0, share_error * sample(noise, image.position_mm(i, j, k)));
+        const double level = std::max(
+            share * (air.mean + clear * air.deviation),
+            (1.0 - rise) * share * air.mean + rise * static_cast<double>(fat_signal.voxels[v]));
+        dim.voxels[v] = static_cast<double>(mean.voxels[v]) > level ? 1.0F : 0.0F;
+      }
+    }
+  }
+  return dim;
+}
 
 Image3<float> noise_share(const Image3<float>& image, const AirSignal& air) {
   std::array<int, 3> tile{};
@@ -161,24 +240,11 @@ AirSignal measure_air(const Image3<float>& image) {
   const auto high = sample.begin() + static_cast<long>(0.995 * static_cast<double>(sample.size()));
   std::nth_element(sample.begin(), high, sample.end());
   require(*high > 0.0F, "the image is empty: its voxels are zero");
-  AirSignal air;
-  air.otsu = otsu_threshold(image, *high);
-  double limit = air.otsu;
-  for (int round = 0; round < 12; ++round) {
-    double n = 0.0, sum = 0.0, squares = 0.0;
-    for (const float v : sample) {
-      if (v < limit) {
-        n += 1.0;
-        sum += v;
-        squares += static_cast<double>(v) * v;
-      }
-    }
-    require(n > 0.0, "the image has no dark surroundings: the patient fills all of it");
-    air.mean = sum / n;
-    air.deviation = std::sqrt(std::max(0.0, squares / n - air.mean * air.mean));
-    limit = std::min(limit, air.mean + 4.0 * air.deviation + 1e-6);
-  }
-  return air;
+  // Lungs, muscle and fat far from the coil are dark as well: only what is in front of all that is
+  // bright is surely air, but for tissue at the ends of the field, which is cut off.
+  const auto bright = static_cast<float>(otsu_threshold(image, *high));
+  const Image3<float> threshold = image_like<float>(image, bright);
+  return dark_mode(in_front_of_body(image, threshold, image));
 }
 
 Mask body_mask(const Image3<float>& image, const Image3<float>& threshold) {

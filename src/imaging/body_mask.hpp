@@ -6,10 +6,9 @@
 
 namespace sanatrix::imaging {
 
-/// Signal of air, mean and standard deviation, from the darkest mode of a (smoothed) image.
+/// Signal of air in front of the body, median and standard deviation, in a (smoothed) image.
 struct AirSignal {
   double mean = 0.0, deviation = 0.0;
-  double otsu = 0.0;  ///< threshold between dark and bright, for what comes next
 };
 AirSignal measure_air(const Image3<float>& image);
 
@@ -21,5 +20,12 @@ Mask body_mask(const Image3<float>& image, const Image3<float>& threshold);
 /// The noise of every place as a share of the air's: 1, or less where shading, or a correction of
 /// it, took noise and signal down together. On coarse tiles, for `sample`.
 Image3<float> noise_share(const Image3<float>& image, const AirSignal& air);
+
+/// Tissue that single voxels cannot tell from air, far from the coil, but means over some
+/// millimetres can: where these stand clear of the same means in the air in front of the body, and
+/// half way from air to fat. 1 there, 0 elsewhere, for `sample`. `threshold`: of what single voxels
+/// do tell; `fat_signal` and `noise` (`noise_share`): per voxel.
+Image3<float> dim_tissue(const Image3<float>& image, const Image3<float>& threshold,
+                         const Image3<float>& fat_signal, const Image3<float>& noise);
 
 }  // namespace sanatrix::imaging

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace sanatrix::imaging {
@@ -49,7 +50,7 @@ void follow_field(const Rows& rows, const std::vector<std::array<float, 2>>& fie
 }
 
 std::vector<float> smoothed(const Rows& rows) {
-  constexpr int iterations = 60;
+  constexpr int iterations = 40;
   std::vector<float> u = rows.noisy, ahead = rows.noisy;
   std::vector<std::array<float, 2>> field(u.size(), {0.0F, 0.0F});
   for (int n = 0; n < iterations; ++n) {
@@ -71,14 +72,16 @@ double noise_deviation(const Image3<float>& image, const Mask& where) {
   if (differences.empty()) {
     return 0.0;
   }
-  const auto quarter = differences.begin() + static_cast<long>(differences.size() / 4);
-  std::nth_element(differences.begin(), quarter, differences.end());
-  return *quarter / 0.4506;  // of normal noise: 0.3186 * sqrt(2) deviations
+  const auto quarter = differences.begin() + static_cast<long>((differences.size() + 3) / 4);
+  std::nth_element(differences.begin(), quarter - 1, differences.end());
+  const double mean = std::accumulate(differences.begin(), quarter, 0.0) /
+                      static_cast<double>(quarter - differences.begin());
+  return mean / 0.22335;  // of normal noise: 0.15793 * sqrt(2) deviations
 }
 
 Image3<float> without_noise(const Image3<float>& image, const Image3<float>& deviation,
-                            const Mask& where, double step) {
-  constexpr float pinned = 1e6F, least_variance = 1e-6F;
+                            const Mask& where) {
+  constexpr float pinned = 1e6F, least_deviation = 1e-3F;
   Image3<float> result = image;
   const auto width = static_cast<std::size_t>(image.size[0]);
   const std::size_t slice = width * static_cast<std::size_t>(image.size[1]);
@@ -98,10 +101,8 @@ Image3<float> without_noise(const Image3<float>& image, const Image3<float>& dev
     rows.noisy.assign(image.voxels.begin() + static_cast<long>(from),
                       image.voxels.begin() + static_cast<long>(to));
     for (std::size_t v = from; v < to; ++v) {
-      const float variance = deviation.voxels[v] * deviation.voxels[v];
-      rows.weight.push_back(where.voxels[v] == 0
-                                ? pinned
-                                : static_cast<float>(step) / std::max(variance, least_variance));
+      rows.weight.push_back(
+          where.voxels[v] == 0 ? pinned : 1.0F / std::max(deviation.voxels[v], least_deviation));
     }
     const std::vector<float> u = smoothed(rows);
     std::copy(u.begin(), u.end(), result.voxels.begin() + static_cast<long>(from));

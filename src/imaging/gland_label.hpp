@@ -7,10 +7,10 @@
 
 namespace sanatrix::imaging {
 
-/// Labels as fibroglandular what holds about as much gland as fat, among the voxels of `clean`,
-/// which hold nothing else. `image` is not smoothed; `fat_signal` is what pure fat has at every
-/// voxel.
+/// Labels as fibroglandular what holds about as much gland as fat, among the voxels of `pure`,
+/// which hold nothing else, unless noise hides the difference of the two. `image` is not smoothed;
+/// `fat_signal` is what pure fat has at every voxel.
 void label_gland(LabelImage& labels, const Image3<float>& image, const Image3<float>& fat_signal,
-                 const GlandularModel& gland, const Mask& clean);
+                 const GlandularModel& gland, const Mask& pure);
 
 }  // namespace sanatrix::imaging

@@ -15,6 +15,7 @@ constexpr double clear_step = 0.5;  ///< of fat's signal
 constexpr double least_seen = 0.35, doubtful_seen = 0.6;
 constexpr double most_blind = 0.25, doubtful_blind = 0.01;
 constexpr double most_roughness_mm = 2.5;
+constexpr double most_open_share = 0.05;  ///< of the slices; fewer are one end of the field
 constexpr double least_separation = 2.5, doubtful_separation = 4.0;
 constexpr double least_soft_cm3 = 100.0, most_soft_cm3 = 6000.0, most_side_ratio = 2.5;
 
@@ -75,6 +76,39 @@ void check_wall(Quality& q) {
     q.defects.push_back(fmt::format("the chest wall that was found is not smooth ({:.1f} mm)",
                                     q.wall_roughness_mm));
   }
+}
+
+/// Slices in which air lies behind the chest wall: from the side it went through skin and fat that
+/// noise hides, and the skin of the slice is wrong by centimetres.
+int count_open_slices(const LabelImage& labels) {
+  constexpr double open_mm2 = 100.0;
+  const double voxel_mm2 = labels.spacing_mm[0] * labels.spacing_mm[1];
+  int open = 0;
+  for (int k = 0; k < labels.size[2]; ++k) {
+    double air_mm2 = 0.0;
+    for (int i = 0; i < labels.size[0]; ++i) {
+      bool behind = false;
+      for (int j = 0; j < labels.size[1]; ++j) {
+        const unsigned char label = labels.at(i, j, k);
+        behind = behind || is_wall(label);
+        air_mm2 += behind && label == 0 ? voxel_mm2 : 0.0;
+      }
+    }
+    open += air_mm2 > open_mm2 ? 1 : 0;
+  }
+  return open;
+}
+
+void check_skin(const LabelImage& labels, Quality& q) {
+  q.open_slices = count_open_slices(labels);
+  if (q.open_slices == 0) {
+    return;
+  }
+  const std::string found = fmt::format(
+      "the skin at the side is lost in noise in {} of {} slices: air was found behind the chest "
+      "wall",
+      q.open_slices, labels.size[2]);
+  (q.open_slices > most_open_share * labels.size[2] ? q.defects : q.doubts).push_back(found);
 }
 
 constexpr std::array sides{"RIGHT", "LEFT"};
@@ -167,6 +201,7 @@ Quality assess(const AutomaticLabels& found) {
   q.wall_roughness_mm = root_mean_square_bend(wall);
   q.separation = found.gland.separation;
   q.wall_blind = blind_share(wall, found.grid.labels.spacing_mm[2]);
+  check_skin(found.grid.labels, q);
   check_wall(q);
   check_field(found.grid.labels, wall.centre_i_mm, q);
   if (q.separation < least_separation) {

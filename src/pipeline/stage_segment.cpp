@@ -23,6 +23,7 @@ json quality_json(const imaging::Quality& q) {
           {"chest_wall_contrast", q.wall_contrast},
           {"chest_wall_seen_share", q.wall_seen},
           {"chest_wall_blind_share", q.wall_blind},
+          {"open_slices", q.open_slices},
           {"chest_wall_roughness_mm", q.wall_roughness_mm},
           {"fat_gland_separation_sd", q.separation},
           {"doubts", q.doubts}};

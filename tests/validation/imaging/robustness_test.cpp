@@ -43,7 +43,8 @@ struct Exam {
 };
 void PrintTo(const Exam& exam, std::ostream* out) {
   *out << exam.file << (exam.t2 ? " T2" : " T1") << " noise " << exam.scanner.noise << " pixel "
-       << exam.scanner.pixel_mm << " coil " << exam.scanner.coil.decay_mm;
+       << exam.scanner.pixel_mm << " coil " << exam.scanner.coil.decay_mm << " shading "
+       << exam.scanner.coil.power;
 }
 class OtherAnatomy : public ::testing::TestWithParam<Exam> {};
 
@@ -63,11 +64,14 @@ TEST_P(OtherAnatomy, IsSegmentedFromAnImageMadeOfItsLabels) {
 // 20 s each.
 INSTANTIATE_TEST_SUITE_P(
     Exams, OtherAnatomy,
-    ::testing::Values(Exam{"Exam_15_detailed.nii.gz", false, {.coil = {}, .noise = 6.2}},
-                      Exam{"Exam_15_detailed.nii.gz",
-                           false,
-                           {.coil = {.decay_mm = 45.0, .floor = 0.2}, .noise = 6.2}},
-                      Exam{"Exam_25_detailed.nii.gz", false, {.coil = {}, .noise = 6.2}}));
+    ::testing::Values(
+        Exam{"Exam_15_detailed.nii.gz", false, {.coil = {}, .noise = 6.2}},
+        Exam{"Exam_15_detailed.nii.gz",
+             false,
+             {.coil = {.decay_mm = 45.0, .floor = 0.2}, .noise = 6.2}},
+        Exam{"Exam_25_detailed.nii.gz", false, {.coil = {}, .noise = 6.2}},
+        // Fat at the flanks has twice the signal of air.
+        Exam{"Exam_25_detailed.nii.gz", true, {.coil = {.power = 2.0}, .noise = 7.2}}));
 
 // Of the gland only what is thick is left, as in a fatty breast. 20 s.
 TEST(FattyBreast, IsNotTakenForADenseOne) {
@@ -144,7 +148,8 @@ TEST_P(WorseImage, IsStillSegmented) {
   }
   const Agreement a = agreement_of(GetParam().image, image, truth);
   EXPECT_GE(a.soft_dice, 0.95);
-  EXPECT_GE(a.glandular_dice, std::string(GetParam().image).starts_with("dev01") ? 0.65 : 0.75);
+  EXPECT_GE(a.glandular_dice, 0.75);
+  EXPECT_LE(std::abs(a.glandular_volume_percent), 12.0);
   EXPECT_LE(a.chest_wall.mean_mm, 2.5);
   EXPECT_LE(a.chest_wall.p95_mm, 7.0);
   EXPECT_LE(a.skin.mean_mm, 1.0);
@@ -155,6 +160,7 @@ INSTANTIATE_TEST_SUITE_P(
     Changes, WorseImage,
     ::testing::Values(Worse{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz", Change::Noise},
                       Worse{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz", Change::Shading},
+                      Worse{"dev01/t2.nii.gz", "dev01/labels_mri.nii.gz", Change::Noise},
                       Worse{"dev01/t2.nii.gz", "dev01/labels_mri.nii.gz", Change::Shading},
                       Worse{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz", Change::LargerBreast},
                       Worse{"dev02/t2.nrrd", "dev02/labels_mri.nii.gz", Change::EveryThirdSlice}));
@@ -187,6 +193,18 @@ TEST(Refusal, OfABreastThatTheImageCutsOff) {
   EXPECT_NE(defects.find("RIGHT breast is cut off"), std::string::npos) << defects;
   EXPECT_NE(defects.find("LEFT breast is cut off"), std::string::npos) << defects;
   EXPECT_EQ(defects_of(label_image(image, Context("segment", silent))), "");
+}
+
+// Shading and noise doubled: the flanks are not in the image, and air seems to reach the lungs. 10
+// s.
+TEST(Refusal, OfASkinThatNoiseHides) {
+  SANATRIX_REQUIRE_SHARED("data/real_prone_labels/Exam_25_detailed.nii.gz");
+  Silent silent;
+  const Image3<float> image =
+      image_of(testing::real_anatomy(shared_file), true, {.coil = {.power = 2.0}, .noise = 14.4})
+          .image;
+  const std::string defects = defects_of(label_image(image, Context("segment", silent)));
+  EXPECT_NE(defects.find("the skin at the side is lost in noise"), std::string::npos) << defects;
 }
 
 // The signal falls by e in 40 mm while noise is doubled: the wall lies below the noise. 10 s.
