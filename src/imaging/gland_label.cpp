@@ -13,7 +13,7 @@ namespace {
 /// What looks like noise is partly texture and strands of gland, which should stay.
 constexpr double noise_alone = 0.7;
 /// Deviation of a share beyond which gland cannot be told from fat: three of them are all of it.
-constexpr float most_noise = 0.35F;
+constexpr float most_noise = 0.5F;
 
 /// The share of gland that the image itself says, without smoothing and beyond 0 and 1, so that
 /// noise has no preferred sign; 0 where it is not mixed of fat and gland.
