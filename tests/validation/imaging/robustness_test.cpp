@@ -207,6 +207,33 @@ TEST(Refusal, OfASkinThatNoiseHides) {
   EXPECT_NE(defects.find("the skin at the side is lost in noise"), std::string::npos) << defects;
 }
 
+/// The image with tissue behind its last row, and then air as noisy as in front.
+Image3<float> with_back(const Image3<float>& image, int tissue_rows, int air_rows) {
+  Image3<float> whole = image;
+  whole.size[1] += tissue_rows + air_rows;
+  whole.voxels.clear();
+  for (int k = 0; k < image.size[2]; ++k) {
+    for (int j = 0; j < whole.size[1]; ++j) {
+      const int beyond = j - image.size[1];
+      for (int i = 0; i < image.size[0]; ++i) {
+        const bool tissue = beyond < tissue_rows;
+        const float air = image.at(i, std::max(beyond, 0) % 20, k);
+        whole.voxels.push_back(beyond < 0 ? image.at(i, j, k) : air + (tissue ? 150.0F : 0.0F));
+      }
+    }
+  }
+  return whole;
+}
+
+// Air behind her back is not air that came through the flank. 25 s.
+TEST(WholeBody, IsNotTakenForOneWithALostSkin) {
+  SANATRIX_REQUIRE_SHARED("data/dev02/t2.nrrd");
+  Silent silent;
+  const Image3<float> image = with_back(io::read_image(shared_file), 150, 60);
+  const std::string defects = defects_of(label_image(image, Context("segment", silent)));
+  EXPECT_EQ(defects.find("the skin at the side"), std::string::npos) << defects;
+}
+
 // The signal falls by e in 40 mm while noise is doubled: the wall lies below the noise. 10 s.
 TEST(Refusal, OfAWallThatNoiseHides) {
   SANATRIX_REQUIRE_SHARED("data/real_prone_labels/Exam_25_detailed.nii.gz");
