@@ -19,7 +19,7 @@ struct Quality {
   double wall_roughness_mm = 0.0;         ///< root mean square of its second differences
   double wall_blind = 0.0;                ///< share of its patches of 30 mm that are hardly seen
   double separation = 0.0;                ///< fat against gland, in standard deviations of fat
-  int open_slices = 0;                    ///< with air behind the chest wall
+  int open_slices = 0;                    ///< with air close behind the chest wall
   std::vector<std::string> doubts;        ///< usable, but look
   std::vector<std::string> defects;       ///< not usable because ...
 };
