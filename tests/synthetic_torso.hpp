@@ -16,9 +16,21 @@ struct SyntheticTorso {
   double breast_x_mm = 62.0;
   Vec3 semi_axes_mm{46.0, 62.0, 50.0};
   bool right_breast = true, left_breast = true;
+  /// Of a sternal notch; as given the breastbone goes on for ever. There the skin of the midline
+  /// has fallen back by 12 mm over 14 mm; above, it stays there.
+  double notch_z_mm = 1e9, notch_x_mm = 0.0;
 
   [[nodiscard]] double chest_front(double x) const {
     return chest_y_mm + chest_radius_mm - std::sqrt(chest_radius_mm * chest_radius_mm - x * x);
+  }
+  /// How far the hollow of the notch lies behind the skin around.
+  [[nodiscard]] double hollow(double x, double z) const {
+    const double depth = 12.0 * std::clamp((z - notch_z_mm) / 14.0 + 1.0, 0.0, 1.0);
+    return depth * std::exp(-std::pow((x - notch_x_mm) / 9.0, 2));
+  }
+  /// y of the skin of the layer on the chest.
+  [[nodiscard]] double layer_front(double x, double z) const {
+    return chest_front(x) - tissue_mm + hollow(x, z);
   }
   /// 1 on the ellipsoid's surface.
   [[nodiscard]] double in_ellipsoid(const Vec3& p) const {
@@ -31,7 +43,7 @@ struct SyntheticTorso {
   }
   /// About the distance [mm] outside the skin; negative inside.
   [[nodiscard]] double outside(const Vec3& p) const {
-    const double layer = chest_front(p[0]) - tissue_mm - p[1];
+    const double layer = layer_front(p[0], p[2]) - p[1];
     const double smallest = std::min({semi_axes_mm[0], semi_axes_mm[1], semi_axes_mm[2]});
     return std::min(layer, (in_ellipsoid(p) - 1.0) * smallest);
   }

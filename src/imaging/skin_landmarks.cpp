@@ -7,6 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "imaging/sternal_notch.hpp"
+
 namespace sanatrix::imaging {
 namespace {
 
@@ -110,8 +112,7 @@ std::vector<SkinLandmark> skin_landmarks(const Segmentation& s) {
     marks.push_back(
         {"midline", Vec3{s.midline_x_mm, *y, z}, std::clamp(depth / deep_cleft_mm, 0.0, 1.0), ""});
   }
-  marks.push_back({"sternal_notch", std::nullopt, 0.0,
-                   "not looked for: it lies above the field of a breast MRI"});
+  marks.push_back(find_sternal_notch(s));
   return marks;
 }
 

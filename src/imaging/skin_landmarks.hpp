@@ -17,6 +17,9 @@ struct SkinLandmark {
   std::string missing{};        ///< why it was not found
 };
 
+/// What is as sure as that may serve as a point of reference.
+constexpr double sure_landmark = 0.5;
+
 /// Nipples, midline at the level of the nipples, the inframammary fold below either nipple, and the
 /// sternal notch: all are listed, also those that the field does not reach or that nothing finds.
 std::vector<SkinLandmark> skin_landmarks(const Segmentation& segmentation);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <numbers>
 #include <random>
 
 #include "core/error.hpp"
+#include "geometry/distance.hpp"
 #include "geometry/geodesic.hpp"
 #include "outcome/metric_table.hpp"
 #include "outcome/scan_comparison.hpp"
@@ -91,7 +93,12 @@ void add_lengths_along_skin(const Torso& torso, std::size_t treated, Values& v) 
       v[key] = mm * length_m;
     }
   };
-  const std::vector<double> notch = lengths_along(torso.skin, torso.notch, torso.nipple);
+  // A model may end below the notch; then a tape has no skin to lie on.
+  constexpr double on_skin_m = 0.01;
+  const bool reaches = SurfaceTree(torso.skin).closest(torso.notch).distance < on_skin_m;
+  const std::vector<double> notch =
+      reaches ? lengths_along(torso.skin, torso.notch, torso.nipple)
+              : std::vector<double>(2, std::numeric_limits<double>::quiet_NaN());
   for (const auto& [side, name] : {std::pair{treated, "treated"}, {1 - treated, "other"}}) {
     add(fmt::format("notch_nipple_{}_skin_mm", name), notch[side]);
     add(fmt::format("nipple_fold_{}_skin_mm", name),
@@ -299,8 +306,7 @@ std::vector<Metric> cosmetic_metrics(const Question& q, const BodyFrame& frame) 
     m.is_noise = m.change && std::abs(*m.change) < m.noise_floor;
     if (!q.notch_known && (m.key.starts_with("notch") ||
                            ((m.key.starts_with("p") || m.key == "m5") && m.before_range))) {
-      m.source +=
-          "; the sternal notch is not in the image: lengths count from the model's upper end";
+      m.source += "; the sternal notch is not known: lengths count from the model's upper end";
     }
     if (!q.folds_known && m.key.find("_fold") != std::string::npos) {
       m.source += "; the fold is not in the model: its lower end stands for it";

@@ -4,6 +4,7 @@
 
 #include "core/files.hpp"
 #include "pipeline/json_object.hpp"
+#include "pipeline/segmentation_store.hpp"
 #include "pipeline/standing_scan.hpp"
 
 namespace sanatrix::pipeline {
@@ -34,17 +35,17 @@ CaseResult load_result(const Case& patient) {
       result.frames.push_back(load_frame(entry.path()));
     }
   }
-  // Above the breasts the skin lies on bone: the notch is in the same place in every pose.
+  // Above the breasts the skin lies on bone: the notch is in the same place in every pose. A plan
+  // knows best.
   const nlohmann::json plan = nlohmann::json::parse(result.plan.document, nullptr, false);
   if (plan.is_object() && plan.contains("sternal_notch_lps_mm")) {
     const std::vector<double> mm = JsonObject(plan, "plan").numbers("sternal_notch_lps_mm", 3);
     result.landmarks["sternal_notch"] = 1e-3 * Vec3{mm[0], mm[1], mm[2]};
   }
-  if (result.standing) {
-    if (const auto notch = load_standing_scan(patient).sternal_notch;
-        notch && !result.landmarks.contains("sternal_notch")) {
-      result.landmarks["sternal_notch"] = *notch;
-    }
+  const auto notch = result.standing ? load_standing_scan(patient).sternal_notch
+                                     : sure_sternal_notch(patient.stage_folder(Stage::Segment));
+  if (notch) {
+    result.landmarks.try_emplace("sternal_notch", *notch);
   }
   std::ranges::sort(result.frames, {}, &Frame::t_day);
   return result;

@@ -66,4 +66,13 @@ imaging::Segmentation load_segmentation(const std::filesystem::path& folder) {
   return segmentation;
 }
 
+std::optional<Vec3> sure_sternal_notch(const std::filesystem::path& folder) {
+  const nlohmann::json marks = nlohmann::json::parse(read_text(folder / "landmarks.json"));
+  const nlohmann::json& notch = marks.at("sternal_notch");
+  if (notch.at("confidence").get<double>() < imaging::sure_landmark) {
+    return std::nullopt;
+  }
+  return 1e-3 * notch.at("lps_mm").get<Vec3>();
+}
+
 }  // namespace sanatrix::pipeline

@@ -4,6 +4,7 @@
 
 #include "core/files.hpp"
 #include "imaging/moved_wall.hpp"
+#include "imaging/skin_landmarks.hpp"
 #include "io/image_file.hpp"
 #include "pipeline/segmentation_store.hpp"
 #include "pipeline/stages.hpp"
@@ -38,7 +39,13 @@ imaging::Segmentation from_image(const StageInput& in, StageNotes& notes) {
   imaging::ImageSegmentation found = imaging::segment_image(
       image, in.parameters().number("segment.spacing_mm"), tumour, in.ctx.part(0.0, 0.9));
   write_text(in.out / "quality.json", quality_json(found.quality).dump(2) + "\n");
-  render::write_overlay(image, found.segmentation.labels, in.out / "overlay.png");
+  std::vector<Vec3> marks;
+  for (const imaging::SkinLandmark& mark : imaging::skin_landmarks(found.segmentation)) {
+    if (mark.at_mm) {
+      marks.push_back(*mark.at_mm);
+    }
+  }
+  render::write_overlay(image, found.segmentation.labels, marks, in.out / "overlay.png");
   notes.numbers = {{"chest_wall_seen_share", found.quality.wall_seen},
                    {"fat_gland_separation_sd", found.quality.separation},
                    {"fibroglandular_left_cm3", found.quality.glandular_cm3[1]},

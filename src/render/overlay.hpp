@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "geometry/image.hpp"
 
@@ -9,8 +10,9 @@ namespace sanatrix::render {
 
 /// Nine axial slices from inferior to superior, seen from the feet as radiologists do (patient's
 /// right on the left hand), with outlines of skin, gland, chest wall and tumour, orientation
-/// letters, and z in mm. Needs no display. `labels` lies in LPS. Written aside and renamed.
+/// letters, and z in mm; landmarks as crosses in the nearest of them. Needs no display. `labels`
+/// lies in LPS. Written aside and renamed.
 void write_overlay(const Image3<float>& image, const LabelImage& labels,
-                   const std::filesystem::path& file);
+                   std::span<const Vec3> landmarks_mm, const std::filesystem::path& file);
 
 }  // namespace sanatrix::render

@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "core/error.hpp"
+#include "imaging/grids.hpp"
+#include "imaging/landmarks.hpp"
 #include "imaging/skin_landmarks.hpp"
 #include "io/image_file.hpp"
 #include "shared_data.hpp"
@@ -125,6 +127,40 @@ TEST_F(Segmentation, finds_midline_nipples_and_tissue_volumes) {
   EXPECT_NEAR(glandular * result.labels.voxel_volume_mm3(), expected, 0.02 * expected);
 }
 
+imaging::SkinLandmark notch_of(const imaging::Segmentation& found) {
+  const auto marks = imaging::skin_landmarks(found);
+  return *std::ranges::find(marks, "sternal_notch", &imaging::SkinLandmark::name);
+}
+
+TEST_F(Segmentation, finds_the_sternal_notch_only_where_the_field_goes_on_above_it) {
+  SyntheticTorso torso;
+  torso.notch_z_mm = 90.0;
+  torso.notch_x_mm = 4.0;
+  const auto up_to = [&](double top_mm) {  // slices of 3 mm from -top to top
+    const int slices = 2 * static_cast<int>(top_mm / 3.0) + 1;
+    return notch_of(run(torso.labels({210, 105, slices}, {1.2, 1.2, 3.0})));
+  };
+  const imaging::SkinLandmark seen = up_to(123.0);
+  ASSERT_TRUE(seen.at_mm) << seen.missing;
+  const Vec3 truth{4.0, torso.layer_front(4.0, 90.0), 90.0};
+  // The turn is a corner that 3 mm of smoothing and slices round off.
+  EXPECT_LT(norm(*seen.at_mm - truth), 4.0);
+  EXPECT_GT(seen.confidence, 0.9);
+
+  const imaging::SkinLandmark close = up_to(99.0);
+  EXPECT_LT(close.confidence, imaging::sure_landmark);
+  const imaging::SkinLandmark below = up_to(84.0);
+  EXPECT_FALSE(below.at_mm);
+  EXPECT_THAT(below.missing, HasSubstr("in the hollow above the breastbone"));
+  const imaging::SkinLandmark far_below = up_to(69.0);
+  EXPECT_FALSE(far_below.at_mm);
+  EXPECT_THAT(far_below.missing, HasSubstr("no hollow up to the end of the field"));
+
+  // A neck that is turned: its side's groove is not the notch.
+  torso.notch_x_mm = 24.0;
+  EXPECT_FALSE(up_to(123.0).at_mm);
+}
+
 /// The same patient as Pelicano et al. would store it.
 LabelImage as_pelicano(const LabelImage& labels, const SyntheticTorso& torso) {
   LabelImage pelicano = labels;
@@ -201,6 +237,37 @@ TEST(LabelPresets, are_named) {
   EXPECT_EQ(imaging::parse_label_preset("pelicano"), LabelPreset::Pelicano);
   EXPECT_EQ(imaging::parse_label_preset("sanatrix"), LabelPreset::Sanatrix);
   EXPECT_THROW(imaging::parse_label_preset("dicom"), Error);
+}
+
+/// Whole label maps of real prone patients reach the neck. Where their notches are was read off
+/// pictures of the skin's height: two are plain, the third does not show between the neck's
+/// muscles.
+TEST(SternalNotch, is_found_on_real_torsos_or_not_at_all) {
+  struct Real {
+    const char* name;
+    std::optional<Vec3> notch_mm;
+  };
+  for (const Real& real : {Real{"Exam_06", Vec3{-10, 50, 90}}, Real{"Exam_15", Vec3{6, 51, 88}},
+                           Real{"Exam_25", std::nullopt}}) {
+    SANATRIX_REQUIRE_SHARED(
+        (std::string("data/real_prone_labels/") + real.name + "_detailed.nii.gz").c_str());
+    const Image3<float> given = imaging::in_lps_order(io::read_image(shared_file));
+    imaging::Segmentation whole;
+    whole.labels = image_like<unsigned char>(given);
+    std::ranges::transform(given.voxels, whole.labels.voxels.begin(), [](float label) {
+      return static_cast<unsigned char>(label == 4.0F ? 0 : 1);  // 4 is air
+    });
+    const imaging::Landmarks marks = imaging::find_landmarks(whole.labels);
+    whole.nipple_mm = marks.nipple_mm;
+    whole.midline_x_mm = marks.midline_x_mm;
+    const imaging::SkinLandmark notch = notch_of(whole);
+    ASSERT_EQ(notch.at_mm.has_value(), real.notch_mm.has_value()) << real.name;
+    if (real.notch_mm) {
+      // As far as two readers of such a picture differ.
+      EXPECT_LT(norm(*notch.at_mm - *real.notch_mm), 8.0) << real.name;
+      EXPECT_GT(notch.confidence, imaging::sure_landmark);
+    }
+  }
 }
 
 TEST(SegmentationOfPatients, dev01_has_the_planned_landmarks_and_gland) {

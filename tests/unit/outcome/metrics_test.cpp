@@ -118,6 +118,15 @@ TEST(CosmeticMetrics, ATapeFollowsTheSkin) {
   }
 }
 
+TEST(CosmeticMetrics, ATapeHasNoSkinToANotchAboveTheModel) {
+  Torso torso = symmetric_torso();
+  torso.notch[2] += 0.05;
+  const auto values = shape_indices(torso, body_frame(torso, {1, 0, 0}), 1);
+  EXPECT_TRUE(values.contains("notch_nipple_treated_mm"));
+  EXPECT_FALSE(values.contains("notch_nipple_treated_skin_mm"));
+  EXPECT_TRUE(values.contains("nipple_fold_treated_skin_mm"));
+}
+
 TEST(CosmeticMetrics, ARigidMoveChangesNothing) {
   const Torso torso = operated(symmetric_torso(), 0.006);
   const double c = std::cos(0.7), s = std::sin(0.7);

@@ -10,9 +10,11 @@
 #include "imaging/agreement.hpp"
 #include "imaging/automatic.hpp"
 #include "imaging/quality.hpp"
+#include "imaging/skin_landmarks.hpp"
 #include "io/image_file.hpp"
 #include "shared_data.hpp"
 #include "synthetic_mri.hpp"
+#include "synthetic_torso.hpp"
 
 namespace sanatrix::imaging {
 namespace {
@@ -232,6 +234,26 @@ TEST(WholeBody, IsNotTakenForOneWithALostSkin) {
   const Image3<float> image = with_back(io::read_image(shared_file), 150, 60);
   const std::string defects = defects_of(label_image(image, Context("segment", silent)));
   EXPECT_EQ(defects.find("the skin at the side"), std::string::npos) << defects;
+}
+
+// In an image with noise and shading, not in labels. 15 s.
+TEST(SternalNotch, IsFoundInAnImage) {
+  testing::SyntheticTorso torso;
+  torso.notch_z_mm = 90.0;
+  testing::Anatomy body{torso.labels({280, 140, 249}, {1.0, 1.0, 1.0}), {}};
+  body.water = image_like<float>(body.labels);
+  std::ranges::transform(body.labels.voxels, body.water.voxels.begin(), [](unsigned char label) {
+    return label == testing::code(Label::Fibroglandular) ? 1.0F : 0.0F;
+  });
+  Silent silent;
+  const auto found =
+      segment_image(image_of(body, false).image, 1.5, std::nullopt, Context("segment", silent));
+  const auto marks = skin_landmarks(found.segmentation);
+  const auto notch = std::ranges::find(marks, "sternal_notch", &SkinLandmark::name);
+  ASSERT_TRUE(notch->at_mm) << notch->missing;
+  // The turn is a corner that 3 mm of smoothing and slices round off.
+  EXPECT_LT(norm(*notch->at_mm - Vec3{0.0, torso.layer_front(0.0, 90.0), 90.0}), 4.0);
+  EXPECT_GT(notch->confidence, sure_landmark);
 }
 
 // The signal falls by e in 40 mm while noise is doubled: the wall lies below the noise. 10 s.
