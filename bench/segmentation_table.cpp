@@ -151,6 +151,14 @@ const std::vector<std::pair<std::string, Change>>& changes() {
        [](Anatomy& a, testing::Contrast&, Scanner&) {
          a = testing::pressed(a, 15.0);
        }},
+      {"whole trunk",
+       [](Anatomy& a, testing::Contrast&, Scanner&) {
+         a = testing::with_back_of_trunk(a, testing::Back::Round);
+       }},
+      {"trunk as wide as the field",
+       [](Anatomy& a, testing::Contrast&, Scanner&) {
+         a = testing::with_back_of_trunk(a, testing::Back::AsWideAsTheField);
+       }},
       {"fatty",
        [](Anatomy& a, testing::Contrast&, Scanner&) {
          testing::make_fatty(a);

@@ -171,6 +171,69 @@ inline Anatomy real_anatomy(const std::filesystem::path& file) {
   return with_thorax(body);
 }
 
+/// How the trunk goes on behind the field of a breast coil.
+enum class Back { Round, AsWideAsTheField };
+
+/// The whole trunk: behind its cut the body goes on for 110 mm and ends in the back, with spine,
+/// muscle, fat and skin; air in front and behind.
+inline Anatomy with_back_of_trunk(const Anatomy& cut, Back shape) {
+  constexpr double deep_mm = 110.0, front_air_mm = 40.0, back_air_mm = 30.0;
+  const double h = cut.labels.spacing_mm[1];
+  const auto [nx, ny, nz] = cut.labels.size;
+  const int room = static_cast<int>(front_air_mm / h);
+  Anatomy whole;
+  whole.labels = image_like<unsigned char>(cut.labels);
+  whole.labels.size[1] = ny + room + static_cast<int>((deep_mm + back_air_mm) / h);
+  whole.labels.origin_mm = cut.labels.position_mm(0, -room, 0);
+  whole.labels.voxels.clear();
+  whole.water = image_like<float>(whole.labels);  // no voxels yet
+  for (int k = 0; k < nz; ++k) {
+    int first = nx, last = -1;  // of the cut's row
+    for (int i = 0; i < nx; ++i) {
+      if (cut.labels.at(i, ny - 1, k) != 0) {
+        first = std::min(first, i);
+        last = i;
+      }
+    }
+    const double middle = 0.5 * (first + last), half = 0.5 * (last - first) + 1.0;
+    for (int j = 0; j < whole.labels.size[1]; ++j) {
+      const int row = std::clamp(j - room, 0, ny - 1);
+      const double behind = (j - room - (ny - 1)) * h;
+      for (int i = 0; i < nx; ++i) {
+        const bool round = shape == Back::Round;
+        const double aside = std::min(std::abs(i - middle) / half, 1.0);
+        const double to_back =
+            (round ? deep_mm * std::sqrt(1.0 - aside * aside) : deep_mm) - behind;
+        const double narrowed =
+            round && behind > 0.0 ? std::sqrt(1.0 - std::pow(std::min(behind / deep_mm, 0.999), 2))
+                                  : 1.0;
+        const int from = std::clamp(static_cast<int>(std::lround(middle + (i - middle) / narrowed)),
+                                    first, last);
+        Label label = Label::Air;
+        float water = 0.0F;
+        if (j >= room && (behind <= 0.0 || to_back > 0.0)) {
+          const int column = behind <= 0.0 ? i : from;
+          label = static_cast<Label>(cut.labels.at(column, row, k));
+          water = cut.water.at(column, row, k);
+          if (behind > 0.0) {
+            // Beside the cut's skin a body as wide as the field goes on with fat.
+            label = !round && (i <= first + 2 || i >= last - 2) ? Label::Adipose : label;
+            label = to_back < 2.0                                       ? Label::Skin
+                    : to_back < 12.0                                    ? Label::Adipose
+                    : to_back < 40.0                                    ? Label::Muscle
+                    : to_back < 80.0 && std::abs(i - middle) * h < 20.0 ? Label::Bone
+                                                                        : label;
+            water = label == Label::Adipose ? water : 0.0F;
+          }
+        }
+        whole.labels.voxels.push_back(code(label));
+        whole.water.voxels.push_back(water);
+      }
+    }
+  }
+  return whole;
+}
+
 /// Only gland that is thick is left.
 inline void make_fatty(Anatomy& body) {
   Image3<float> thick = image_like<float>(body.labels);

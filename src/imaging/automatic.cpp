@@ -180,12 +180,47 @@ struct Coarse {
   GlandularModel gland;
 };
 
-Coarse find_on_working_grid(const Image3<float>& ordered, const Context& ctx) {
-  const Image3<float> small = in_plane_smoothed(shrink_in_plane(ordered, working_mm), 0.6);
-  const AirSignal air = measure_air(small);
-  const Image3<float> noise = noise_share(small, air);
-  const Mask rough = body_mask(small, clear_of_air(small, air, noise, 6.0));
-  ctx.at(0.1, "coil shading");
+/// The image, the same on the working grid, and where in it the body is, before shading is known.
+struct FirstLook {
+  Image3<float> ordered;
+  Image3<float> small;
+  AirSignal air;
+  Image3<float> noise;  ///< share of the air's
+  Mask body;
+};
+
+FirstLook look(Image3<float> ordered) {
+  FirstLook first;
+  first.ordered = std::move(ordered);
+  first.small = in_plane_smoothed(shrink_in_plane(first.ordered, working_mm), 0.6);
+  first.air = measure_air(first.small);
+  first.noise = noise_share(first.small, first.air);
+  first.body = body_mask(first.small, clear_of_air(first.small, first.air, first.noise, 6.0));
+  return first;
+}
+
+Image3<float> first_rows(const Image3<float>& image, int rows) {
+  Image3<float> cut = image;
+  cut.size[1] = rows;
+  cut.voxels.clear();
+  for (int k = 0; k < cut.size[2]; ++k) {
+    const auto slice = image.voxels.begin() + static_cast<long>(image.index(0, 0, k));
+    cut.voxels.insert(cut.voxels.end(), slice, slice + static_cast<long>(rows) * cut.size[0]);
+  }
+  return cut;
+}
+
+/// Of a whole trunk only what lies in front of its axis: its back, fat before air, looks like a
+/// front as well, and muscle beside it like gland.
+FirstLook look_at_front(const Image3<float>& image) {
+  FirstLook first = look(in_lps_order(image));
+  const double last_mm = find_cleft(first.body).j_mm + thorax_radius_mm;
+  const int rows = static_cast<int>(std::ceil(last_mm / first.ordered.spacing_mm[1]));
+  return rows < first.ordered.size[1] ? look(first_rows(first.ordered, rows)) : std::move(first);
+}
+
+Coarse find_on_working_grid(const FirstLook& first, const Context& ctx) {
+  const auto& [ordered, small, air, noise, rough] = first;
   FatField field = estimate_fat_field(small, below_skin(rough, 3.0, 25.0), wide_knots_mm);
   Image3<float> signal = fat_signal_on(field, small);
   Image3<float> edge = edge_of_skin(signal, air, noise);
@@ -262,8 +297,10 @@ class ThickSlice {
 }  // namespace
 
 AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
-  const Image3<float> ordered = in_lps_order(image);
-  Coarse coarse = find_on_working_grid(ordered, ctx.part(0.0, 0.7));
+  const FirstLook look = look_at_front(image);
+  const Image3<float>& ordered = look.ordered;
+  ctx.at(0.1, "coil shading");
+  Coarse coarse = find_on_working_grid(look, ctx.part(0.1, 0.7));
   ctx.at(0.7, "fibroglandular tissue");
   const Vec3 first = coarse.first_mm;
   const Image3<float> signal = fat_signal_on(coarse.field, ordered, first);

@@ -12,7 +12,8 @@
 
 namespace sanatrix::imaging {
 
-/// What the segmentation found on the grid of the image (in LPS order), and how sure it is.
+/// What the segmentation found on the grid of the image (in LPS order, without what lies far behind
+/// the breasts), and how sure it is.
 struct AutomaticLabels {
   TissueGrid grid;
   Image3<float> relative;  ///< signal relative to fat

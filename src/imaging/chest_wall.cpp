@@ -12,7 +12,6 @@
 namespace sanatrix::imaging {
 namespace {
 
-constexpr double thorax_radius_mm = 100.0;  ///< from the axis to the sternum: half an adult thorax
 constexpr double radial_step_mm = 1.0;
 constexpr int radii = 240;
 constexpr double widest_angle = 125.0 * std::numbers::pi / 180.0;

@@ -8,6 +8,9 @@
 
 namespace sanatrix::imaging {
 
+/// From the skin between the breasts to the axis of the thorax: half an adult thorax.
+constexpr double thorax_radius_mm = 100.0;
+
 /// In every slice k a radius per angle around an axis inside the thorax. Lengths in mm along the
 /// image's own axes i and j, from its first voxel.
 class ChestWall {

@@ -107,23 +107,22 @@ void keep_one_body(TissueGrid& grid, std::vector<std::string>& warnings) {
   }
 }
 
-/// Soft tissue must lie in front of the wall where both are in one column.
+/// Soft tissue must come before the wall where both are in one column. It may come again behind it:
+/// labels of a whole trunk have a back.
 void check_facing(const LabelImage& labels) {
   double in_front = 0.0;
   double columns = 0.0;
   for (int k = 0; k < labels.size[2]; ++k) {
     for (int i = 0; i < labels.size[0]; ++i) {
-      Vec3 soft{};
-      Vec3 wall{};
-      for (int j = 0; j < labels.size[1]; ++j) {
-        Vec3& sum = is_wall(labels.at(i, j, k)) ? wall : soft;
+      int soft = labels.size[1], wall = labels.size[1];
+      for (int j = labels.size[1] - 1; j >= 0; --j) {
         if (labels.at(i, j, k) != 0) {
-          sum += Vec3{static_cast<double>(j), 1.0, 0.0};
+          (is_wall(labels.at(i, j, k)) ? wall : soft) = j;
         }
       }
-      if (soft[1] > 0.0 && wall[1] > 0.0) {
+      if (soft < labels.size[1] && wall < labels.size[1]) {
         columns += 1.0;
-        in_front += soft[0] / soft[1] < wall[0] / wall[1] ? 1.0 : 0.0;
+        in_front += soft < wall ? 1.0 : 0.0;
       }
     }
   }

@@ -308,6 +308,9 @@ std::vector<Metric> cosmetic_metrics(const Question& q, const BodyFrame& frame) 
                            ((m.key.starts_with("p") || m.key == "m5") && m.before_range))) {
       m.source += "; the sternal notch is not known: lengths count from the model's upper end";
     }
+    if (q.notch_known && m.key.starts_with("notch") && m.key.ends_with("_skin_mm") && !m.before) {
+      m.source += "; not given: the model ends below the notch";
+    }
     if (!q.folds_known && m.key.find("_fold") != std::string::npos) {
       m.source += "; the fold is not in the model: its lower end stands for it";
     }

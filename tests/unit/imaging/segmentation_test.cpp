@@ -233,6 +233,23 @@ TEST_F(Segmentation, refuses_what_cannot_be_a_prone_breast_mri) {
   EXPECT_THAT(refusal(none.isotropic(2.0)), HasSubstr("two breasts with a cleft"));
 }
 
+TEST_F(Segmentation, takes_a_whole_trunk_with_a_thick_back) {
+  const SyntheticTorso torso;
+  LabelImage whole = torso.isotropic(2.0);
+  std::size_t voxel = 0;
+  for (int k = 0; k < whole.size[2]; ++k) {
+    for (int j = 0; j < whole.size[1]; ++j) {
+      for (int i = 0; i < whole.size[0]; ++i, ++voxel) {
+        const double y = whole.position_mm(i, j, k)[1];
+        if (y > torso.chest_y_mm + 14.0 && whole.voxels[voxel] != 0) {
+          whole.voxels[voxel] = y > 54.0 ? 0 : 1;  // fat before the air behind her
+        }
+      }
+    }
+  }
+  EXPECT_NEAR(run(whole).midline_x_mm, 0.0, 1.5);
+}
+
 TEST(LabelPresets, are_named) {
   EXPECT_EQ(imaging::parse_label_preset("pelicano"), LabelPreset::Pelicano);
   EXPECT_EQ(imaging::parse_label_preset("sanatrix"), LabelPreset::Sanatrix);

@@ -209,32 +209,39 @@ TEST(Refusal, OfASkinThatNoiseHides) {
   EXPECT_NE(defects.find("the skin at the side is lost in noise"), std::string::npos) << defects;
 }
 
-/// The image with tissue behind its last row, and then air as noisy as in front.
-Image3<float> with_back(const Image3<float>& image, int tissue_rows, int air_rows) {
-  Image3<float> whole = image;
-  whole.size[1] += tissue_rows + air_rows;
-  whole.voxels.clear();
-  for (int k = 0; k < image.size[2]; ++k) {
-    for (int j = 0; j < whole.size[1]; ++j) {
-      const int beyond = j - image.size[1];
-      for (int i = 0; i < image.size[0]; ++i) {
-        const bool tissue = beyond < tissue_rows;
-        const float air = image.at(i, std::max(beyond, 0) % 20, k);
-        whole.voxels.push_back(beyond < 0 ? image.at(i, j, k) : air + (tissue ? 150.0F : 0.0F));
-      }
-    }
-  }
-  return whole;
+struct Trunk {
+  const char* file;
+  bool t2;
+  testing::Back back;
+};
+void PrintTo(const Trunk& trunk, std::ostream* out) {
+  *out << trunk.file << (trunk.t2 ? " T2, " : " T1, ")
+       << (trunk.back == testing::Back::Round ? "round" : "as wide as the field");
+}
+class WholeTrunk : public ::testing::TestWithParam<Trunk> {};
+
+// Her back, and the air behind it, are no front and no lost skin. 40 s each.
+TEST_P(WholeTrunk, IsSegmentedAsWellAsItsFront) {
+  SANATRIX_REQUIRE_SHARED(std::string("data/real_prone_labels/") + GetParam().file);
+  const testing::Anatomy body =
+      testing::with_back_of_trunk(testing::real_anatomy(shared_file), GetParam().back);
+  const auto mri = image_of(body, GetParam().t2);
+  Silent silent;
+  const AutomaticLabels found = label_image(mri.image, Context("segment", silent));
+  EXPECT_EQ(defects_of(found), "");
+  const Agreement a = compare_labels(found.grid.labels, mri.truth);
+  EXPECT_GE(a.soft_dice, 0.95);
+  EXPECT_GE(a.glandular_dice, 0.75);
+  EXPECT_LE(std::abs(a.glandular_volume_percent), 12.0);
+  EXPECT_LE(a.chest_wall.mean_mm, 2.5);
+  EXPECT_LE(a.chest_wall.p95_mm, 7.0);
+  EXPECT_LE(a.skin.mean_mm, 1.0);
 }
 
-// Air behind her back is not air that came through the flank. 25 s.
-TEST(WholeBody, IsNotTakenForOneWithALostSkin) {
-  SANATRIX_REQUIRE_SHARED("data/dev02/t2.nrrd");
-  Silent silent;
-  const Image3<float> image = with_back(io::read_image(shared_file), 150, 60);
-  const std::string defects = defects_of(label_image(image, Context("segment", silent)));
-  EXPECT_EQ(defects.find("the skin at the side"), std::string::npos) << defects;
-}
+INSTANTIATE_TEST_SUITE_P(
+    Backs, WholeTrunk,
+    ::testing::Values(Trunk{"Exam_15_detailed.nii.gz", true, testing::Back::Round},
+                      Trunk{"Exam_25_detailed.nii.gz", false, testing::Back::AsWideAsTheField}));
 
 // In an image with noise and shading, not in labels. 15 s.
 TEST(SternalNotch, IsFoundInAnImage) {
