@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/error.hpp"
 #include "imaging/body_mask.hpp"
@@ -154,6 +155,35 @@ Mask soft_interior(const Mask& body, const ChestWall& wall, double below_skin_mm
   return soft;
 }
 
+/// Whether there may be gland: seen from the axis of the thorax no breast reaches the mid-axillary
+/// line, and muscles of the back, which do, are as dark.
+bool before_flank(const ChestWall& wall, double i_mm, double j_mm) {
+  constexpr double widest = 75.0 * std::numbers::pi / 180.0;
+  return std::abs(wall.angle_of(i_mm, j_mm)) < widest;
+}
+
+/// Behind the wall there is no fat that tells the shading, and a field that goes on from in front
+/// may be anything: the signal of fat is taken from the place where the ray leaves the wall.
+Image3<float> level_behind(const ChestWall& wall, Image3<float> fat_signal) {
+  const Vec3 h = fat_signal.spacing_mm;
+  const Image3<float> before = fat_signal;
+  for (int k = 0; k < before.size[2]; ++k) {
+    for (int j = 0; j < before.size[1]; ++j) {
+      for (int i = 0; i < before.size[0]; ++i) {
+        const double x = i * h[0] - wall.centre_i_mm, y = j * h[1] - wall.centre_j_mm;
+        const double behind = wall.behind_mm(i * h[0], j * h[1], k), r = std::hypot(x, y);
+        if (behind > 0.0 && r > h[0]) {
+          const double out = (r + behind) / r;
+          fat_signal.at(i, j, k) = static_cast<float>(
+              sample(before, before.position_mm((wall.centre_i_mm + out * x) / h[0],
+                                                (wall.centre_j_mm + out * y) / h[1], k)));
+        }
+      }
+    }
+  }
+  return fat_signal;
+}
+
 /// A grid's first voxel, seen from another grid with the same axes [mm].
 Vec3 offset_mm(const Image3<float>& grid, const Image3<float>& from) {
   return transpose(from.direction) * (grid.origin_mm - from.origin_mm);
@@ -236,11 +266,17 @@ Coarse find_on_working_grid(const FirstLook& first, const Context& ctx) {
   field = estimate_fat_field(small, breasts, fine_knots_mm);
   field = refine_fat_field(small, breasts, field, finest_knots_mm);
   signal = fat_signal_on(field, small);
-  Image3<float> relative = divided(small, signal);
   ctx.at(0.75, "chest wall");
-  wall = find_chest_wall(relative, body, cleft.i_mm, cleft.j_mm);
-  const Mask soft = soft_interior(body, wall, 4.0, 3.0);
-  const GlandularModel gland = fit_glandular_model(relative, soft);
+  wall = find_chest_wall(divided(small, level_behind(wall, signal)), body, cleft.i_mm, cleft.j_mm);
+  Mask soft = soft_interior(body, wall, 4.0, 3.0);
+  for (std::size_t v = 0; v < soft.voxels.size(); ++v) {
+    const auto row = static_cast<std::size_t>(soft.size[0]),
+               rows = static_cast<std::size_t>(soft.size[1]);
+    const double i_mm = static_cast<double>(v % row) * soft.spacing_mm[0];
+    const double j_mm = static_cast<double>(v / row % rows) * soft.spacing_mm[1];
+    soft.voxels[v] = soft.voxels[v] != 0 && before_flank(wall, i_mm, j_mm) ? 1 : 0;
+  }
+  const GlandularModel gland = fit_glandular_model(divided(small, signal), soft);
   return {std::move(field),
           std::move(wall),
           offset_mm(ordered, small),
@@ -322,15 +358,17 @@ AutomaticLabels label_image(const Image3<float>& image, const Context& ctx) {
         if (body.voxels[v] == 0) {
           continue;
         }
-        const double behind = coarse.wall.behind_mm(first[0] + i * ordered.spacing_mm[0],
-                                                    first[1] + j * ordered.spacing_mm[1], k);
+        const double i_mm = first[0] + i * ordered.spacing_mm[0];
+        const double j_mm = first[1] + j * ordered.spacing_mm[1];
+        const double behind = coarse.wall.behind_mm(i_mm, j_mm, k);
         const float relative = found.relative.voxels[v];
         Label label = Label::Adipose;
         if (behind > 0.0) {
           label = behind_wall(behind, relative);
         } else if (outside.voxels[v] > -skin_mm) {
           label = Label::Skin;
-        } else if (edge.voxels[v] != known_tissue && thick.holds_breast_only(i, j, k)) {
+        } else if (edge.voxels[v] != known_tissue && before_flank(coarse.wall, i_mm, j_mm) &&
+                   thick.holds_breast_only(i, j, k)) {
           clean.voxels[v] = 1;
           found.grid.fibroglandular.voxels[v] = glandular_share(coarse.gland, relative);
         }

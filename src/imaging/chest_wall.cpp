@@ -21,6 +21,7 @@ constexpr float dark = 0.50F, bright = 0.92F;
 constexpr double side_mm = 5.0;         ///< depth over which the sides of the step are averaged
 constexpr double thick_fat_mm = 9.0;    ///< no such layer lies closely behind the wall
 constexpr double fat_search_mm = 40.0;  ///< so far behind; gland is not that much deeper
+constexpr double gland_weight = 0.5;    ///< of a step from muscle to gland, against one to fat
 constexpr int most_step = 4;            ///< of the surface from ray to ray [radial steps]
 
 /// Values on rays: slice, angle, radius (fastest).
@@ -122,7 +123,10 @@ Rays position_cost(const Rays& signal) {
           darkest = std::min(darkest, mean_known(line, q, q + 2, 1.0));
         }
         const double back = 0.5 * (near_back + darkest);
-        const double step = known ? front - back : 0.0;
+        // Where gland lies on muscle there is no fat in front; muscle is darker still.
+        const double from_gland =
+            mean_known(dark_line, r - 3, r, 0.0) - mean_known(dark_line, r, r + side, 1.0);
+        const double step = known ? std::max(front - back, gland_weight * from_gland) : 0.0;
         const double fat_behind = std::max(0.0, thickest - 0.75) / 0.25;
         // Skin is the limit: a wall outside the body is impossible.
         const bool outside = r > 2 && line[r - 1] < 0.0F && line[r - 2] < 0.0F &&
@@ -255,9 +259,14 @@ void best_surface(const Rays& cost, const std::vector<double>& base, const Stiff
 
 }  // namespace
 
+double ChestWall::angle_of(double i_mm, double j_mm) const {
+  return std::atan2(i_mm - centre_i_mm, centre_j_mm - j_mm);
+}
+
 double ChestWall::behind_mm(double i_mm, double j_mm, int k) const {
   const double di = i_mm - centre_i_mm, dj = centre_j_mm - j_mm;
-  const double at = std::clamp((std::atan2(di, dj) - first_angle) / angle_step, 0.0, angles - 1.0);
+  const double at =
+      std::clamp((angle_of(i_mm, j_mm) - first_angle) / angle_step, 0.0, angles - 1.0);
   const int low = std::min(static_cast<int>(at), angles - 2);
   const double t = at - low;
   const double radius = (1.0 - t) * radius_mm[index(low, k)] + t * radius_mm[index(low + 1, k)];

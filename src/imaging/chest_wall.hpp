@@ -25,6 +25,8 @@ class ChestWall {
     return static_cast<std::size_t>(k) * static_cast<std::size_t>(angles) +
            static_cast<std::size_t>(a);
   }
+  /// Of the ray through a point, from straight to anterior; positive to the left.
+  [[nodiscard]] double angle_of(double i_mm, double j_mm) const;
   /// How far a point of slice k lies behind the wall [mm], along the ray; negative in front.
   [[nodiscard]] double behind_mm(double i_mm, double j_mm, int k) const;
 };

@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <ostream>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "imaging/agreement.hpp"
+#include "imaging/quality.hpp"
 #include "io/image_file.hpp"
 #include "shared_data.hpp"
 
@@ -48,6 +50,7 @@ TEST_P(Automatic, AgreesWithTheTruth) {
   EXPECT_LE(a.chest_wall.mean_mm, 2.5);
   EXPECT_LE(a.chest_wall.p95_mm, 7.0);
   EXPECT_LE(a.skin.mean_mm, 1.0);
+  EXPECT_THAT(assess(found).doubts, ::testing::IsEmpty());
 }
 
 INSTANTIATE_TEST_SUITE_P(Patients, Automatic,
