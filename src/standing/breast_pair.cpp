@@ -131,7 +131,7 @@ bool one_ridge(const ColumnMap& prominence, const Peak& a, const Peak& b) {
 /// How fast the skin falls back at the steepest place on one side of a tip, mean over the breast's
 /// width; n points to that side.
 double steepness(const ColumnMap& skin_y, const Peak& peak, double nx, double nz) {
-  constexpr double half_width_mm = 30.0, from_mm = 15.0, to_mm = 95.0, window_mm = 10.0;
+  constexpr double half_width_mm = 30.0, from_mm = 5.0, to_mm = 95.0, window_mm = 10.0;
   constexpr double cliff = 3.0;  // an overhang is no steeper than this
   const Vec3 tip = place(skin_y, peak.i, peak.k);
   const auto y_at = [&](double along, double across) {
