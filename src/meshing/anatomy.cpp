@@ -201,7 +201,7 @@ Image3<float> thorax_indicator(const LabelImage& labels, const ColumnMap& chest_
 /// Margins between the breasts (where they stand forward clearly) and the planes that bound the
 /// mesh, so that the planes do not disturb the breasts. "Reasonably far" in the paper.
 constexpr double clear_prominence_mm = 20.0;
-constexpr double clear_part = 0.6;  ///< of the most prominent place, for small breasts
+constexpr double clear_part = 0.6;  ///< of the nipple's, for small breasts
 constexpr double margin_mm = 25.0;
 constexpr double posterior_margin_mm = 30.0;
 /// The outermost voxels are not trusted.
@@ -222,12 +222,9 @@ ClipBox choose_box(const LabelImage& labels, const BreastMap& breasts,
   Extent rim_y;
   const ColumnMap& map = breasts.base;
   double least = clear_prominence_mm;
-  for (const signed char side : {-1, 1}) {
-    double most = 0.0;
-    for (std::size_t c = 0; c < breasts.side.size(); ++c) {
-      most = std::max(most, breasts.side[c] == side ? breasts.prominence.value[c] : 0.0);
-    }
-    least = std::min(least, clear_part * most);
+  for (const Vec3& nipple : options.nipple_mm) {
+    const double rise = breasts.prominence.value[map.nearest(nipple[0], nipple[2])];
+    least = std::min(least, clear_part * std::max(0.0, rise));
   }
   for (int k = 0; k < map.size[1]; ++k) {
     for (int i = 0; i < map.size[0]; ++i) {

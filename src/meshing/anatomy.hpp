@@ -52,6 +52,10 @@ struct Anatomy {
 /// Half axes [mm] along x, y, z of what rolls over the chest and the flanks but not over a breast.
 struct RollingBall {
   double x_mm = 80.0, y_mm = 80.0, z_mm = 80.0;
+  /// How often the ball may be made longer by a quarter, until both nipples stand clearly forward
+  /// of it: the rise of a small breast is so gentle that a short ball rolls through it. Not wider,
+  /// as the chest is round sideways.
+  int lengthenings = 0;
 };
 
 /// A standing breast may be as round as the ball for the prone one; the trunk is long and straight.

@@ -10,9 +10,11 @@ namespace sanatrix::meshing {
 namespace {
 
 constexpr double footprint_prominence_mm = 10.0;
+constexpr double clearly_mm = 20.0;  ///< of a nipple in front of a ball that is long enough
+constexpr double lengthened = 1.25;
 }  // namespace
 
-const RollingBall standing_ball{80.0, 80.0, 130.0};
+const RollingBall standing_ball{80.0, 80.0, 130.0, 2};
 const double standing_reach_mm = 115.0;
 const double standing_above_mm = 60.0;
 
@@ -64,18 +66,41 @@ ColumnMap roll(const ColumnMap& map, const RollingBall& ball, int sign) {
   return result;
 }
 
+/// Where breasts are looked for.
+struct Rise {
+  ColumnMap map;           ///< [mm] in front of a ball
+  double breast_reach_mm;  ///< from the nipple, seen from the front
+};
+
+/// In front of the shortest of the balls that both nipples stand clearly forward of, or of the
+/// longest. What is less high is less wide, too: the long ball leaves the flanks as well.
+Rise clear_rise(const ColumnMap& skin, const AnatomyOptions& options) {
+  RollingBall ball = options.ball;
+  for (double reach_mm = options.breast_reach_mm;; reach_mm /= lengthened) {
+    ColumnMap map = prominence_of(skin, ball);
+    const bool clear = std::ranges::all_of(options.nipple_mm, [&](const Vec3& nipple) {
+      return map.value[map.nearest(nipple[0], nipple[2])] >= clearly_mm;
+    });
+    if (clear || ball.lengthenings == 0) {
+      return {std::move(map), reach_mm};
+    }
+    ball.z_mm *= lengthened;
+    --ball.lengthenings;
+  }
+}
+
 /// The prominent columns connected to a nipple, on its side of the midline.
-void mark_breast(BreastMap& breasts, const Vec3& nipple_mm, const AnatomyOptions& options,
+void mark_breast(BreastMap& breasts, const Rise& rise, const Vec3& nipple_mm, double midline_x_mm,
                  signed char side) {
-  const ColumnMap& map = breasts.prominence;
+  const ColumnMap& map = rise.map;
   Mask raised{.size = {map.size[0], map.size[1], 1}, .voxels = {}};
   for (std::size_t c = 0; c < map.value.size(); ++c) {
     const std::size_t column = c % static_cast<std::size_t>(map.size[0]);
     const std::size_t row = c / static_cast<std::size_t>(map.size[0]);
     const double x = map.origin_mm[0] + static_cast<double>(column) * map.spacing_mm;
     const double z = map.origin_mm[1] + static_cast<double>(row) * map.spacing_mm;
-    const bool mine = (x > options.midline_x_mm) == (side > 0) &&
-                      std::hypot(x - nipple_mm[0], z - nipple_mm[2]) <= options.breast_reach_mm;
+    const bool mine = (x > midline_x_mm) == (side > 0) &&
+                      std::hypot(x - nipple_mm[0], z - nipple_mm[2]) <= rise.breast_reach_mm;
     raised.voxels.push_back(mine && map.value[c] > footprint_prominence_mm ? 1 : 0);
   }
   const std::size_t tip = map.nearest(nipple_mm[0], nipple_mm[2]);
@@ -164,8 +189,10 @@ BreastMap map_breasts(const ColumnMap& skin_y, const ColumnMap& chest_y,
   BreastMap breasts;
   breasts.prominence = prominence_of(skin, options.ball);
   breasts.side.assign(skin.value.size(), 0);
-  mark_breast(breasts, options.nipple_mm[0], options, -1);
-  mark_breast(breasts, options.nipple_mm[1], options, 1);
+  // The long ball tells where a small breast is, but leaves the chest above and below it, too.
+  const Rise rise = clear_rise(skin, options);
+  mark_breast(breasts, rise, options.nipple_mm[0], options.midline_x_mm, -1);
+  mark_breast(breasts, rise, options.nipple_mm[1], options.midline_x_mm, 1);
   std::vector<std::size_t> covered;
   for (std::size_t c = 0; c < breasts.side.size(); ++c) {
     if (breasts.side[c] != 0) {

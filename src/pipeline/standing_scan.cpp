@@ -1,6 +1,8 @@
 #include "pipeline/standing_scan.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -113,6 +115,26 @@ std::string check_sides(const TexturedSurface& scan) {
                            "scars and moles with the patient";
 }
 
+/// What edges as long as these cannot show; nothing on usual scans.
+std::optional<std::string> about_resolution(const TriMesh& mesh) {
+  constexpr double coarse_m = 0.008;  // an areola is 10 to 30 mm in radius, a nipple 5
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3& p = mesh.points[static_cast<std::size_t>(a)];
+    area += 0.5 * norm(cross(mesh.points[static_cast<std::size_t>(b)] - p,
+                             mesh.points[static_cast<std::size_t>(c)] - p));
+  }
+  // Of equilateral triangles of the mean area.
+  const double edge_m = std::sqrt(4 / std::sqrt(3.0) * area / mesh.triangles.size());
+  if (edge_m < coarse_m) {
+    return std::nullopt;
+  }
+  return fmt::format(
+      "the scan is coarse: triangles of {:.0f} mm ({} in all); nipples and folds are "
+      "smoothed over, give a finer one",
+      1e3 * edge_m, mesh.triangles.size());
+}
+
 }  // namespace
 
 void find_standing_frame(Case& patient) {
@@ -148,6 +170,9 @@ void find_standing_frame(Case& patient) {
          {"nipples", {{"R", to_json(frame.nipple_find[0])}, {"L", to_json(frame.nipple_find[1])}}},
          {"notes", frame.notes}};
   j["notes"].push_back(about_sides);
+  if (const auto coarse = about_resolution(scan.surface.mesh)) {
+    j["notes"].push_back(*coarse);
+  }
   for (const std::string& note : scan.notes) {
     j["notes"].push_back(note);
   }

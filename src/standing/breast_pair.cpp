@@ -9,11 +9,11 @@ namespace {
 
 using meshing::ColumnMap;
 
-constexpr double least_rise_mm = 12.0;  ///< in front of the rolling ball
+constexpr double least_rise_mm = 8.0;  ///< in front of the rolling ball
 constexpr double peak_radius_mm = 40.0, breast_radius_mm = 70.0;
 /// Distance of the nipples of adults: 16 to 30 cm, with room for large and for ptotic breasts.
 constexpr double nearest_mm = 110.0, farthest_mm = 330.0;
-constexpr double usual_mm = 200.0, usual_spread_mm = 60.0;  ///< arms lie farther apart
+constexpr double usual_mm = 200.0, usual_spread_mm = 45.0;  ///< arms and armpits lie farther apart
 constexpr double mirror_reach_mm = 160.0;  ///< how far from the middle symmetry is looked at
 constexpr double mirror_scale_mm = 12.0;   ///< asymmetry of real trunks
 
@@ -41,12 +41,34 @@ void around(const ColumnMap& map, int i, int k, double radius_mm, F&& visit) {
   }
 }
 
-std::vector<Peak> find_peaks(const FrontMap& front, const ColumnMap& prominence) {
+/// Whether the skin looks forward rather than sideways, as flanks and arms do at the rim of what is
+/// seen. The lower edge of a breast, a cliff on one side, does.
+bool looks_forward(const ColumnMap& skin_y, int i, int k) {
+  constexpr int step = 3;
+  constexpr double steepest = 1.0;
+  const double here = skin_y.at(i, k), run = step * skin_y.spacing_mm;
+  const auto slope = [&](int di, int dk) {
+    const int a = std::clamp(i + di, 0, skin_y.size[0] - 1);
+    const int b = std::clamp(k + dk, 0, skin_y.size[1] - 1);
+    return std::abs(skin_y.at(a, b) - here) / run;
+  };
+  return std::hypot(std::min(slope(step, 0), slope(-step, 0)),
+                    std::min(slope(0, step), slope(0, -step))) < steepest;
+}
+
+std::vector<Peak> find_peaks(const FrontMap& front, ColumnMap prominence) {
   std::vector<Peak> peaks;
   for (int k = 0; k < prominence.size[1]; ++k) {
     for (int i = 0; i < prominence.size[0]; ++i) {
+      if (!front.seen[prominence.index(i, k)] || !looks_forward(front.skin_y, i, k)) {
+        prominence.at(i, k) = 0.0;
+      }
+    }
+  }
+  for (int k = 0; k < prominence.size[1]; ++k) {
+    for (int i = 0; i < prominence.size[0]; ++i) {
       const double here = prominence.at(i, k);
-      if (here < least_rise_mm || !front.seen[prominence.index(i, k)]) {
+      if (here < least_rise_mm) {
         continue;
       }
       Peak peak{i, k, 0.0};
@@ -58,7 +80,7 @@ std::vector<Peak> find_peaks(const FrontMap& front, const ColumnMap& prominence)
         const bool near = dx * dx + dz * dz < peak_radius_mm * peak_radius_mm;
         highest = highest && !(near && (there > here || (there == here && before)));
         const double is_seen = front.seen[prominence.index(a, b)] ? 1.0 : 0.0;
-        peak.volume += is_seen * there;
+        peak.volume += there;
         seen += is_seen;
         all += 1;
       });
@@ -98,10 +120,18 @@ double asymmetry(const FrontMap& front, const Vec3& a, const Vec3& b) {
   return count > 50 ? sum / count : 1e3;
 }
 
+/// Whether two rises are one ridge, as of an arm seen from its side: between breasts the skin falls
+/// back.
+bool one_ridge(const ColumnMap& prominence, const Peak& a, const Peak& b) {
+  constexpr double most = 0.7;  // of the lower of the two
+  const double low = std::min(prominence.at(a.i, a.k), prominence.at(b.i, b.k));
+  return prominence.at((a.i + b.i) / 2, (a.k + b.k) / 2) > most * low;
+}
+
 /// How fast the skin falls back at the steepest place on one side of a tip, mean over the breast's
 /// width; n points to that side.
 double steepness(const ColumnMap& skin_y, const Peak& peak, double nx, double nz) {
-  constexpr double half_width_mm = 30.0, from_mm = 15.0, to_mm = 95.0, window_mm = 10.0;
+  constexpr double half_width_mm = 30.0, from_mm = 5.0, to_mm = 95.0, window_mm = 10.0;
   constexpr double cliff = 3.0;  // an overhang is no steeper than this
   const Vec3 tip = place(skin_y, peak.i, peak.k);
   const auto y_at = [&](double along, double across) {
@@ -151,7 +181,7 @@ std::vector<BreastPair> find_pairs(const FrontMap& front, const ColumnMap& promi
       const Vec3 a = tip_of(front, prominence, two[0]);
       const Vec3 b = tip_of(front, prominence, two[1]);
       const double apart = std::hypot(b[0] - a[0], b[2] - a[2]);
-      if (apart < nearest_mm || apart > farthest_mm) {
+      if (apart < nearest_mm || apart > farthest_mm || one_ridge(prominence, two[0], two[1])) {
         continue;
       }
       const double unusual = (apart - usual_mm) / usual_spread_mm;

@@ -24,7 +24,9 @@ constexpr double apex_turn_deg = 20.0;
 constexpr double climb_mm = 9.0;
 /// 1 sd of a nipple's place, by what it was taken from; measured, docs/theory/scan-only.md.
 constexpr double mark_doubt_mm = 2.0, colour_doubt_mm = 4.0, bump_doubt_mm = 6.0,
-                 shape_doubt_mm = 13.0;
+                 shape_doubt_mm = 13.0, small_shape_doubt_mm = 30.0;
+/// A breast that stands less in front of the rolling ball says little about its nipple.
+constexpr double small_rise_mm = 30.0;
 
 /// Gaussian smoothing of a map, borders going on.
 ColumnMap smoothed(const ColumnMap& map, double sigma_mm) {
@@ -180,7 +182,8 @@ class Search {
                       side == 0 ? "right" : "left"),
           "mark both nipples and the sternal notch (--landmarks), or give a photograph");
     }
-    return {shape, {NippleSign::Shape, shape_doubt_mm}};
+    const double doubt = rise_at(tip_mm) < small_rise_mm ? small_shape_doubt_mm : shape_doubt_mm;
+    return {shape, {NippleSign::Shape, doubt}};
   }
 
  private:

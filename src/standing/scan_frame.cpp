@@ -22,8 +22,11 @@ constexpr double least_score = 8.0;
 /// Skin that stands less than this in front of the rolling ball is not breast [mm].
 constexpr double still_mm = 6.0;
 constexpr double most_turn = 0.94;  // cosine of 20 degrees
-/// Cameras are levelled: an axis of the scanner this near to the body's axis is the vertical.
-constexpr double level_deg = 25.0;
+/// Cameras are levelled: an axis of the scanner this near to the body's axis is the vertical. The
+/// trunk's own axis is up to 22 degrees off, its mean with that of nipples and notch 15.
+constexpr double level_deg = 25.0, marked_level_deg = 15.0;
+/// A trunk's axis farther from the scanner's is worth a word: she leans, or the scan is tilted.
+constexpr double leaning_deg = 12.0;
 
 /// Rows: the patient's left, back, up, as directions of the scan.
 Mat3 axes(const Vec3& left_about, const Vec3& up) {
@@ -210,10 +213,10 @@ Stance refined(const TriMesh& coarse, const Mat3& rotation, const std::optional<
           agree ? mirror.share : 0.0};
 }
 
-/// The scanner's own vertical, if the patient stands along it.
-std::optional<Vec3> level_of(const Vec3& up) {
+/// An axis of the scanner near a direction.
+std::optional<Vec3> level_of(const Vec3& up, double most_deg) {
   for (std::size_t a = 0; a < 3; ++a) {
-    if (std::abs(up[a]) > std::cos(level_deg * std::numbers::pi / 180)) {
+    if (std::abs(up[a]) > std::cos(most_deg * std::numbers::pi / 180)) {
       Vec3 level{};
       level[a] = up[a] > 0 ? 1.0 : -1.0;
       return level;
@@ -300,6 +303,28 @@ void check_pair(const ScanFrame& frame, double symmetry) {
   }
 }
 
+/// The scanner's vertical where the body agrees with it, else the body's own; `marked_up` is what
+/// marked nipples and notch say of it.
+void set_vertical(Stance& stance, const std::optional<Vec3>& marked_up, ScanFrame& frame) {
+  const Vec3 own = stance.rotation[2];
+  const Vec3 body = marked_up ? normalised(own + *marked_up) : own;
+  const char* name = marked_up ? "that of trunk and marks" : "the trunk's own";
+  const auto level = level_of(body, marked_up ? marked_level_deg : level_deg);
+  if (!level) {
+    stance.rotation = keeping_left(stance.rotation[0], body);
+    frame.notes.push_back(
+        fmt::format("the vertical is {}, as no axis of the scanner is near it; it may be 10 "
+                    "degrees off (mark \"up\" to be sure)",
+                    name));
+    return;
+  }
+  stance.rotation = keeping_left(stance.rotation[0], *level);
+  const double apart = std::acos(std::min(1.0, dot(body, *level))) * 180 / std::numbers::pi;
+  frame.notes.push_back(fmt::format(
+      "the vertical is the scanner's axis, {:.0f} degrees from {}{}", apart, name,
+      apart > leaning_deg ? ": if she did not lean, the scan is tilted (mark \"up\")" : ""));
+}
+
 }  // namespace
 
 ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
@@ -319,14 +344,7 @@ ScanFrame find_frame(const TexturedSurface& scan, const ScanLandmarks& marks) {
     stance = again;
   }
   if (!up) {
-    const auto level = level_of(stance.rotation[2]);
-    frame.notes.push_back(
-        level ? "the vertical is the scanner's axis, which the trunk follows within 25 degrees"
-              : "the vertical is the trunk's own axis; it may be 10 degrees off (mark \"up\" to be "
-                "sure)");
-    if (level) {
-      stance.rotation = keeping_left(stance.rotation[0], *level);
-    }
+    set_vertical(stance, marked ? std::optional(marked_rotation(marks)[2]) : std::nullopt, frame);
   }
   locate_nipples(scan, stance.rotation, stance.middle_x_m, marks, frame);
   check_marks(frame, marks);

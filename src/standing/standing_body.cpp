@@ -73,6 +73,19 @@ double check_coverage(const FrontMap& front, const meshing::BreastMap& breasts) 
   return (unseen[0] + unseen[1]) / (all[0] + all[1]);
 }
 
+/// A wall or a chair behind the patient is scanned as part of her.
+void check_size(const std::array<double, 2>& breast_cm3) {
+  constexpr double most_cm3 = 3000.0;  // twice where gigantomastia begins
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (breast_cm3[side] > most_cm3) {
+      throw Error(Fault::Input,
+                  fmt::format("what would be the {} breast has {:.0f} cm3", name_of(side),
+                              breast_cm3[side]),
+                  "cut off what is not the patient: a wall, a chair, clothes");
+    }
+  }
+}
+
 /// An arm that is pressed against a breast would be taken for its end.
 void check_arms(const std::array<double, 2>& armpit_mm, const std::array<Vec3, 2>& nipple_mm) {
   constexpr double least_mm = 35.0;  // breasts reach farther outwards from their nipple
@@ -223,6 +236,7 @@ class Painter {
     ctx.at(0.7, "labels");
     result.side = breasts_.side;
     paint(std::move(labels), result);
+    check_size(result.breast_cm3);
     find_wall(result);
     return result;
   }

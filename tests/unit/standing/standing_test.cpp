@@ -86,6 +86,16 @@ TEST(ScanFrame, AFarSmallerBreastIsFoundWhereItIs) {
   EXPECT_NEAR(1e3 * frame.nipple[0][0], -80.0, frame.nipple_find[0].doubt_mm);
 }
 
+TEST(ScanFrame, SmallBreastsAreFoundAndTheirNipplesDoubted) {
+  const ScanFrame frame = find_frame(plain(Trunk{.rise_mm = 24.0}.scan()), {});
+  EXPECT_LT(degrees_off(frame, {})[1], 1.0);  // as for large ones
+  for (const std::size_t side : {0U, 1U}) {
+    EXPECT_GT(frame.nipple_find[side].doubt_mm, 20.0);
+    EXPECT_NEAR(1e3 * frame.nipple[side][0], side == 0 ? -85.0 : 85.0,
+                frame.nipple_find[side].doubt_mm);
+  }
+}
+
 TEST(ScanFrame, MarksCountMoreThanWhatLooksLikeBreasts) {
   // The arm and the large breast would be the likelier pair.
   const Trunk trunk{.left_share = 0.25, .left_arm = true};
@@ -109,8 +119,8 @@ TEST(ScanFrame, ABreastAndWhatStandsForwardElsewhereAreRefused) {
 
 StandingBody body_of(const Trunk& trunk, double depth_mm = usual_wall_depth_mm) {
   Silent silent;
-  const std::array<Vec3, 2> nipple{1e-3 * Vec3{-81, Trunk::chest(81) - 50, 0},
-                                   1e-3 * Vec3{81, Trunk::chest(81) - 50, 0}};
+  const double y = Trunk::chest(81) - trunk.rise_mm;
+  const std::array<Vec3, 2> nipple{1e-3 * Vec3{-81, y, 0}, 1e-3 * Vec3{81, y, 0}};
   return build_body(trunk.scan(), nipple, {.spacing_mm = 2.0, .wall_depth_mm = depth_mm},
                     Context("test", silent));
 }
@@ -135,6 +145,15 @@ TEST(StandingBody, TheWallLiesBehindTheBreastsOfAKnownTrunk) {
   // Gaussian breasts have wide tails beyond the footprint that pull the wall forward: a hard case.
   EXPECT_LT(sum / count, 1.5 * wall_doubt_mm);
   EXPECT_LT(std::abs(body.breast_cm3[0] - body.breast_cm3[1]), 0.05 * body.breast_cm3[0]);
+}
+
+TEST(StandingBody, SmallBreastsKeepTheirBaseAndAFlatChestIsRefused) {
+  // The footprint may narrow with the height, not more, and must not grow towards the flank.
+  constexpr double height = 24.0 / 50.0;
+  const double usual = body_of({}).breast_cm3[1], small = body_of({.rise_mm = 24.0}).breast_cm3[1];
+  EXPECT_LT(small, height * usual);
+  EXPECT_GT(small, height * height * usual);
+  EXPECT_THROW(body_of({.rise_mm = 6.0}), Error);
 }
 
 TEST(StandingBody, AnArmBesideTheTrunkIsNoBreast) {
