@@ -17,6 +17,11 @@ std::size_t index(int i) {
 /// What is left of a mode after the earlier ones, relative to its size, for it to count.
 constexpr double independent = 1e-6;
 
+/// An unknown's modes are [first_mode(unknown), first_mode(unknown + 1)).
+constexpr int first_mode(int unknown) {
+  return unknown < block ? 4 * unknown : CoarseSpace::modes;
+}
+
 }  // namespace
 
 CoarseSpace::CoarseSpace(const Layout& layout, const BlockMatrix& fine,
@@ -40,8 +45,33 @@ int CoarseSpace::first_row(int group) const {
   return static_cast<int>(static_cast<long>(group) * layout_.own() / std::max(groups_, 1));
 }
 
-/// Rigid motions of the free unknowns, made orthonormal within each group; what depends on earlier
-/// modes (a group of few or mostly held nodes) becomes zero.
+/// Modes [first, end) on the rows, orthonormal; what depends on earlier ones (a group of few or
+/// mostly held nodes) becomes zero.
+void CoarseSpace::make_orthonormal(std::span<NodeModes> rows, int first, int end) {
+  const auto product = [&](int a, int b) {
+    double sum = 0.0;
+    for (const NodeModes& row : rows) {
+      sum += row.value[index(a)] * row.value[index(b)];
+    }
+    return sum;
+  };
+  for (int m = first; m < end; ++m) {
+    const double before = product(m, m);
+    for (int earlier = first; earlier < m; ++earlier) {
+      const double share = product(m, earlier);
+      for (NodeModes& row : rows) {
+        row.value[index(m)] -= share * row.value[index(earlier)];
+      }
+    }
+    const double left = product(m, m);
+    const double scale = left > independent * before ? 1.0 / std::sqrt(left) : 0.0;
+    for (NodeModes& row : rows) {
+      row.value[index(m)] *= scale;
+    }
+  }
+}
+
+/// Affine functions of the free unknowns, orthonormal within each group.
 void CoarseSpace::make_modes(std::span<const std::uint8_t> fixed, std::span<const Vec3> positions) {
   std::vector<std::size_t> node_of_row(index(layout_.own()));
   for (std::size_t n = 0; n < layout_.global.size(); ++n) {
@@ -55,10 +85,8 @@ void CoarseSpace::make_modes(std::span<const std::uint8_t> fixed, std::span<cons
         std::span(own_).subspan(index(first_row(g)), index(first_row(g + 1) - first_row(g)));
     const auto nodes = std::span(node_of_row).subspan(index(first_row(g)), rows.size());
     Vec3 centre{};
-    double pressure_nodes = 0.0;
     for (const std::size_t n : nodes) {
       centre += (1.0 / static_cast<double>(nodes.size())) * positions[n];
-      pressure_nodes += (fixed[n] & 8) == 0 ? 1.0 : 0.0;
     }
     double radius = 0.0;
     for (const std::size_t n : nodes) {
@@ -67,41 +95,16 @@ void CoarseSpace::make_modes(std::span<const std::uint8_t> fixed, std::span<cons
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const Vec3 x = (radius > 0.0 ? 1.0 / radius : 0.0) * (positions[nodes[r]] - centre);
       rows[r].group = first_group_ + g;
-      rows[r].displacement = {1, 0,     0,    0,    1, 0,     0,     0,    1,
-                              0, -x[2], x[1], x[2], 0, -x[0], -x[1], x[0], 0};
-      for (std::size_t m = 0; m < rigid; ++m) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          rows[r].displacement[3 * m + i] *= (fixed[nodes[r]] >> i & 1) != 0 ? 0.0 : 1.0;
+      const std::array<double, 4> functions{1.0, x[0], x[1], x[2]};
+      for (int i = 0; i < block; ++i) {
+        for (int m = first_mode(i); m < first_mode(i + 1); ++m) {
+          const bool is_free = (fixed[nodes[r]] >> i & 1) == 0;
+          rows[r].value[index(m)] = is_free ? functions[index(m - first_mode(i))] : 0.0;
         }
       }
-      rows[r].pressure = (fixed[nodes[r]] & 8) == 0 ? 1.0 / std::sqrt(pressure_nodes) : 0.0;
     }
-    const auto product = [&](std::size_t a, std::size_t b) {
-      double sum = 0.0;
-      for (const NodeModes& row : rows) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          sum += row.displacement[3 * a + i] * row.displacement[3 * b + i];
-        }
-      }
-      return sum;
-    };
-    for (std::size_t m = 0; m < rigid; ++m) {
-      const double before = product(m, m);
-      for (std::size_t earlier = 0; earlier < m; ++earlier) {
-        const double share = product(m, earlier);
-        for (NodeModes& row : rows) {
-          for (std::size_t i = 0; i < 3; ++i) {
-            row.displacement[3 * m + i] -= share * row.displacement[3 * earlier + i];
-          }
-        }
-      }
-      const double left = product(m, m);
-      const double scale = left > independent * before ? 1.0 / std::sqrt(left) : 0.0;
-      for (NodeModes& row : rows) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          row.displacement[3 * m + i] *= scale;
-        }
-      }
+    for (int i = 0; i < block; ++i) {
+      make_orthonormal(rows, first_mode(i), first_mode(i + 1));
     }
   }
 }
@@ -119,8 +122,7 @@ void CoarseSpace::fetch_remote_modes() {
   check(VecGetArray(own, &values), "packing modes");
   for (const NodeModes& row : own_) {
     *values++ = row.group;
-    values = std::ranges::copy(row.displacement, values).out;
-    *values++ = row.pressure;
+    values = std::ranges::copy(row.value, values).out;
   }
   values -= own_size;
   check(VecRestoreArray(own, &values), "packing modes");
@@ -137,9 +139,8 @@ void CoarseSpace::fetch_remote_modes() {
   const double* at = got;
   for (NodeModes& node : remote_) {
     node.group = *at++;
-    std::copy_n(at, node.displacement.size(), node.displacement.begin());
-    at += node.displacement.size();
-    node.pressure = *at++;
+    std::copy_n(at, modes, node.value.begin());
+    at += modes;
   }
   check(VecRestoreArrayRead(remote, &got), "fetching modes");
   VecScatterDestroy(&scatter);
@@ -151,26 +152,18 @@ void CoarseSpace::fetch_remote_modes() {
 void CoarseSpace::make_interpolation() {
   check(
       MatCreateAIJ(PETSC_COMM_WORLD, block * layout_.own(), modes * groups_, block * layout_.total,
-                   modes * all_groups_, rigid, nullptr, 0, nullptr, &interpolation_),
+                   modes * all_groups_, first_mode(1), nullptr, 0, nullptr, &interpolation_),
       "creating the interpolation");
-  std::array<PetscInt, rigid> columns{};
-  std::array<double, rigid> values{};
   for (int r = 0; r < layout_.own(); ++r) {
     const NodeModes& node = own_[index(r)];
-    const PetscInt row = block * (layout_.own_begin + r);
-    const auto first = modes * static_cast<PetscInt>(node.group);
-    for (int i = 0; i < 3; ++i) {
-      for (int m = 0; m < rigid; ++m) {
-        columns[index(m)] = first + m;
-        values[index(m)] = node.displacement[index(3 * m + i)];
+    for (int i = 0; i < block; ++i) {
+      const PetscInt row = block * (layout_.own_begin + r) + i;
+      for (int m = first_mode(i); m < first_mode(i + 1); ++m) {
+        const PetscInt column = modes * static_cast<PetscInt>(node.group) + m;
+        check(MatSetValue(interpolation_, row, column, node.value[index(m)], INSERT_VALUES),
+              "filling the interpolation");
       }
-      const PetscInt at = row + i;
-      check(
-          MatSetValues(interpolation_, 1, &at, rigid, columns.data(), values.data(), INSERT_VALUES),
-          "filling the interpolation");
     }
-    check(MatSetValue(interpolation_, row + 3, first + rigid, node.pressure, INSERT_VALUES),
-          "filling the interpolation");
   }
   check(MatAssemblyBegin(interpolation_, MAT_FINAL_ASSEMBLY), "filling the interpolation");
   check(MatAssemblyEnd(interpolation_, MAT_FINAL_ASSEMBLY), "filling the interpolation");
@@ -225,29 +218,20 @@ std::size_t CoarseSpace::coarse_place(int group, double neighbour) const {
 
 /// sum += Q_row^T A Q_column
 void CoarseSpace::add_block(const NodeModes& row, const NodeModes& column, const double* block_of,
-                            double* sum) const {
-  std::array<double, block * rigid> AQ{};  // A Q, displacement modes
-  for (std::size_t m = 0; m < rigid; ++m) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double q = column.displacement[3 * m + k];
-      for (std::size_t i = 0; i < block; ++i) {
-        AQ[block * m + i] += block_of[block * k + i] * q;
+                            double* sum) {
+  for (int i = 0; i < block; ++i) {
+    std::array<double, modes> AQ{};  // its row i
+    for (int k = 0; k < block; ++k) {
+      for (int m = first_mode(k); m < first_mode(k + 1); ++m) {
+        AQ[index(m)] = block_of[block * k + i] * column.value[index(m)];
+      }
+    }
+    for (int m = first_mode(i); m < first_mode(i + 1); ++m) {
+      for (int n = 0; n < modes; ++n) {
+        sum[modes * m + n] += row.value[index(m)] * AQ[index(n)];
       }
     }
   }
-  for (std::size_t a = 0; a < rigid; ++a) {
-    const double* q = row.displacement.data() + 3 * a;
-    for (std::size_t b = 0; b < rigid; ++b) {
-      const double* v = AQ.data() + block * b;
-      sum[modes * a + b] += q[0] * v[0] + q[1] * v[1] + q[2] * v[2];
-    }
-    const double* v = block_of + static_cast<std::size_t>(3 * block);
-    sum[modes * a + rigid] += (q[0] * v[0] + q[1] * v[1] + q[2] * v[2]) * column.pressure;
-  }
-  for (std::size_t b = 0; b < rigid; ++b) {
-    sum[modes * rigid + b] += row.pressure * AQ[block * b + 3];
-  }
-  sum[modes * rigid + rigid] += row.pressure * block_of[15] * column.pressure;
 }
 
 void CoarseSpace::update() {

@@ -1,7 +1,7 @@
-// Coarse space of a two-level preconditioner: the rigid motions and the mean pressure of compact
+// Coarse space of a two-level preconditioner: the affine motions and the mean pressure of compact
 // groups of nodes. It removes the long waves that incomplete factors cannot see, so that iterations
-// hardly grow with the mesh (aggregation without smoothing; doi:10.1007/BF02238511). Seen only
-// inside fem.
+// hardly grow with the mesh (aggregation without smoothing; doi:10.1007/BF02238511). Rigid motions
+// would leave jumps between the groups wherever the body is strained. Seen only inside fem.
 #pragma once
 
 #include <array>
@@ -16,9 +16,9 @@ namespace sanatrix::fem {
 
 class CoarseSpace {
  public:
-  static constexpr int rigid = 6, pressures = 1, modes = rigid + pressures;
+  static constexpr int modes = 13;
   /// Nodes of a group. Larger groups: cheaper coarse systems, more iterations.
-  static constexpr int group_size = 60;
+  static constexpr int group_size = 150;
 
   CoarseSpace(const Layout& layout, const BlockMatrix& fine, std::span<const std::uint8_t> fixed,
               std::span<const Vec3> positions);
@@ -35,17 +35,18 @@ class CoarseSpace {
   /// What a node contributes to its group's modes.
   struct NodeModes {
     double group = 0.0;  ///< global number; a double because it travels with the rest
-    std::array<double, 3 * rigid> displacement{};  ///< [3 mode + i]
-    double pressure = 0.0;
+    /// 1, x, y, z of every displacement, 1 of the pressure (four would serve no better).
+    std::array<double, modes> value{};
   };
-  static constexpr int packed = 2 + 3 * rigid;
+  static constexpr int packed = 1 + modes;
 
   void make_modes(std::span<const std::uint8_t> fixed, std::span<const Vec3> positions);
   void fetch_remote_modes();
   void make_interpolation();
   void make_coarse_pattern();
-  void add_block(const NodeModes& row, const NodeModes& column, const double* block,
-                 double* sum) const;
+  static void make_orthonormal(std::span<NodeModes> rows, int first, int end);
+  static void add_block(const NodeModes& row, const NodeModes& column, const double* block,
+                        double* sum);
   [[nodiscard]] int first_row(int group) const;
   [[nodiscard]] std::size_t coarse_place(int group, double neighbour) const;
 

@@ -16,6 +16,8 @@ namespace {
 constexpr int slow_solve = 14;
 constexpr int max_direct_iterations = 60;
 constexpr int max_iterations = 200;
+/// Of factors with fill that are stable: more are a sign that they are not.
+constexpr int max_with_fill = 60;
 /// Below this many unknowns a factorisation costs next to nothing.
 constexpr int small_system = 3000;
 /// Above this many unknowns a factorisation takes more memory than a workstation has to spare (7
@@ -38,9 +40,8 @@ struct SparseSystem::Impl {
   std::vector<double> sum;
   BlockMatrix matrix;
   CoarseSpace coarse;
-  bool factors_stale = true, levels_stale = true;
-  int fill = 0;       ///< levels of fill of the incomplete factors
-  int kept_fill = 0;  ///< of those that are kept
+  bool factors_stale = true;
+  int fill = 0;  ///< levels of fill of the incomplete factors
   Smoothed smoothed = Smoothed::System;
   Vec rhs = nullptr, solution = nullptr, here = nullptr;
   VecScatter gather = nullptr;
@@ -58,7 +59,7 @@ struct SparseSystem::Impl {
   void copy_in(std::span<const double> from, Vec to) const;
   void copy_out(Vec from, std::vector<double>& to) const;
   bool run(KSP solver, double relative_tolerance, int limit, int& iterations) const;
-  void prepare_levels(bool fresh, int levels_of_fill);
+  void prepare_levels(int levels_of_fill);
   bool solve_by_levels(double relative_tolerance, LinearReport& report);
   void solve_directly(double relative_tolerance, LinearReport& report);
 };
@@ -180,9 +181,8 @@ bool SparseSystem::Impl::run(KSP solver, double relative_tolerance, int limit,
   return reason > 0;
 }
 
-/// Gives the levels their matrices, or tells them to keep what they made of the last ones.
-void SparseSystem::Impl::prepare_levels(bool fresh, int levels_of_fill) {
-  const PetscBool keep = fresh ? PETSC_FALSE : PETSC_TRUE;
+/// Makes the levels of the matrix of the moment.
+void SparseSystem::Impl::prepare_levels(int levels_of_fill) {
   PC pc = nullptr;
   KSP smoother = nullptr;
   KSP bottom = nullptr;
@@ -193,21 +193,16 @@ void SparseSystem::Impl::prepare_levels(bool fresh, int levels_of_fill) {
   check(
       KSPSetOperators(smoother, smoothed == Smoothed::System ? matrix.petsc() : factored, factored),
       "setting the matrix");
-  if (fresh) {
-    coarse.update();
-    check(KSPSetOperators(bottom, coarse.matrix(), coarse.matrix()), "setting the coarse matrix");
-  }
-  check(KSPSetReusePreconditioner(two_level, keep), "keeping the levels");
-  check(KSPSetReusePreconditioner(smoother, keep), "keeping the smoother");
+  coarse.update();
+  check(KSPSetOperators(bottom, coarse.matrix(), coarse.matrix()), "setting the coarse matrix");
   check(KSPSetOperators(two_level, matrix.petsc(), matrix.petsc()), "setting the matrix");
   check(KSPSetUp(two_level), "setting up the levels");
-  // Block Jacobi does not hand the wishes on to its blocks.
+  // Block Jacobi does not hand the wish on to its blocks.
   check(KSPGetPC(smoother, &pc), "getting the smoother");
   PetscInt blocks = 0;
   KSP* own = nullptr;
   check(PCBJacobiGetSubKSP(pc, &blocks, nullptr, &own), "getting the smoother's blocks");
   for (PetscInt b = 0; b < blocks; ++b) {
-    check(KSPSetReusePreconditioner(own[b], keep), "keeping the smoother");
     PC factors = nullptr;
     check(KSPGetPC(own[b], &factors), "getting the smoother's blocks");
     check(PCFactorSetLevels(factors, levels_of_fill), "setting the fill of the factors");
@@ -219,18 +214,16 @@ bool SparseSystem::Impl::solve_by_levels(double relative_tolerance, LinearReport
   if (block * layout.total < small_system || (direct != nullptr && !factors_stale)) {
     return false;
   }
-  const auto attempt = [&](bool fresh, int levels_of_fill) {
-    prepare_levels(fresh, levels_of_fill);
+  const auto attempt = [&](int levels_of_fill) {
+    prepare_levels(levels_of_fill);
     int iterations = 0;
-    report.converged = run(two_level, relative_tolerance, max_iterations, iterations);
+    report.converged = run(two_level, relative_tolerance,
+                           levels_of_fill > 0 ? max_with_fill : max_iterations, iterations);
     report.iterations += iterations;
-    levels_stale = !report.converged;
-    kept_fill = levels_of_fill;
     return report.converged;
   };
   // Factors may happen to be unstable with fill where they are not without.
-  return (!levels_stale && attempt(false, kept_fill)) || attempt(true, fill) ||
-         (fill > 0 && attempt(true, 0));
+  return attempt(fill) || (fill > 0 && attempt(0));
 }
 
 void SparseSystem::Impl::solve_directly(double relative_tolerance, LinearReport& report) {
@@ -319,13 +312,11 @@ void SparseSystem::set_smoothed(Smoothed smoothed) {
 }
 
 void SparseSystem::set_fill(int levels) {
-  impl_->levels_stale = impl_->levels_stale || levels != impl_->fill;
   impl_->fill = levels;
 }
 
 LinearReport SparseSystem::solve(std::span<const double> b, double relative_tolerance,
-                                 MatrixChange change, std::vector<double>& x) {
-  impl_->levels_stale = impl_->levels_stale || change == MatrixChange::Large;
+                                 std::vector<double>& x) {
   impl_->copy_in(b, impl_->rhs);
   LinearReport report;
   const bool affordable = block * impl_->layout.total <= large_system;
@@ -338,7 +329,6 @@ LinearReport SparseSystem::solve(std::span<const double> b, double relative_tole
 
 void SparseSystem::forget_factorisation() {
   impl_->factors_stale = true;
-  impl_->levels_stale = true;
 }
 
 }  // namespace sanatrix::fem

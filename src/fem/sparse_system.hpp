@@ -36,9 +36,6 @@ struct LinearReport {
   bool factorised = false;
 };
 
-/// How far the matrix is from the one of the last solve: whether its preconditioner still serves.
-enum class MatrixChange { Small, Large };
-
 /// Whose residual the smoother lowers: the system's, or that of the matrix its factors are made of,
 /// where that is far from the system.
 enum class Smoothed { System, Factored };
@@ -78,11 +75,10 @@ class SparseSystem {
   void set_fill(int levels);
 
   /// x = A^-1 b by GMRES. First choice is the two-level preconditioner (incomplete factors of the
-  /// node blocks and a coarse space of rigid motions); where that fails, and for small systems, the
-  /// last MUMPS factorisation is used while it is good enough. Not so for large systems, where a
-  /// failure is reported: factors would not fit in memory.
-  LinearReport solve(std::span<const double> b, double relative_tolerance, MatrixChange change,
-                     std::vector<double>& x);
+  /// node blocks and a coarse space of affine motions); where that fails, and for small systems,
+  /// the last MUMPS factorisation is used while it is good enough. Not so for large systems, where
+  /// a failure is reported: factors would not fit in memory.
+  LinearReport solve(std::span<const double> b, double relative_tolerance, std::vector<double>& x);
   /// The next solve starts with a fresh preconditioner: a run that is resumed here takes the same
   /// path as one that was never stopped.
   void forget_factorisation();

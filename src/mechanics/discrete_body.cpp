@@ -379,8 +379,8 @@ bool DiscreteBody::residual_and_matrix(const State& state, std::vector<double>& 
 }
 
 fem::LinearReport DiscreteBody::solve(std::span<const double> b, double relative_tolerance,
-                                      fem::MatrixChange change, std::vector<double>& x) {
-  return system_->solve(b, relative_tolerance, change, x);
+                                      std::vector<double>& x) {
+  return system_->solve(b, relative_tolerance, x);
 }
 
 void DiscreteBody::forget_factorisation() {

@@ -42,7 +42,7 @@ class DiscreteBody {
   /// R and its matrix. at_rest: membranes answer with their stiffness at rest.
   bool residual_and_matrix(const State& state, std::vector<double>& r, bool at_rest);
   fem::LinearReport solve(std::span<const double> b, double relative_tolerance,
-                          fem::MatrixChange change, std::vector<double>& x);
+                          std::vector<double>& x);
   void forget_factorisation();
   /// state + alpha d
   [[nodiscard]] State moved(const State& state, std::span<const double> d, double alpha) const;

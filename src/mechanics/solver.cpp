@@ -37,8 +37,6 @@ constexpr double crawl = 0.2;
 constexpr int allowed_crawls = 8;
 /// A load step with at most this many iterations is followed by one of twice the size.
 constexpr int quick = 8;
-/// A step that lowers the residual to this share of it hardly changes the matrix.
-constexpr double quiet = 0.1;
 /// Taylor-Hood: a first try at the whole load that is not below its start after this many steps
 /// goes astray, and half the load first takes fewer iterations in all (docs/performance.md).
 constexpr int trial_steps = 3;
@@ -178,13 +176,11 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
     // Quadratic convergence, but for what the linear solver leaves.
     const double ratio = it == 0 ? 1.0 : now / previous;
     const bool is_last = now * std::max(linear, ratio * ratio) <= tolerance;
-    const auto change =
-        it > 0 && now < quiet * previous ? fem::MatrixChange::Small : fem::MatrixChange::Large;
     previous = now;
     std::vector<double> direction;
     const auto start = std::chrono::steady_clock::now();
     std::ranges::transform(r, r.begin(), std::negate<>());
-    const fem::LinearReport solved = discrete.solve(r, linear, change, direction);
+    const fem::LinearReport solved = discrete.solve(r, linear, direction);
     report.seconds_linear += seconds_since(start);
     report.krylov_iterations += solved.iterations;
     report.factorisations += solved.factorised ? 1 : 0;
