@@ -241,12 +241,16 @@ Image3<float> first_rows(const Image3<float>& image, int rows) {
 }
 
 /// Of a whole trunk only what lies in front of its axis: its back, fat before air, looks like a
-/// front as well, and muscle beside it like gland.
+/// front as well, and muscle beside it like gland. An image that ends closer behind the axis than a
+/// back could lie is taken whole.
 FirstLook look_at_front(const Image3<float>& image) {
+  constexpr double nearest_back_mm = 40.0;
   FirstLook first = look(in_lps_order(image));
+  const double row_mm = first.ordered.spacing_mm[1];
   const double last_mm = find_cleft(first.body).j_mm + thorax_radius_mm;
-  const int rows = static_cast<int>(std::ceil(last_mm / first.ordered.spacing_mm[1]));
-  return rows < first.ordered.size[1] ? look(first_rows(first.ordered, rows)) : std::move(first);
+  const bool has_back = first.ordered.size[1] * row_mm > last_mm + nearest_back_mm;
+  const int rows = static_cast<int>(std::ceil(last_mm / row_mm));
+  return has_back ? look(first_rows(first.ordered, rows)) : std::move(first);
 }
 
 Coarse find_on_working_grid(const FirstLook& first, const Context& ctx) {
