@@ -1,5 +1,6 @@
 // How well the automatic segmentation does over anatomies, contrasts and image faults: one row of a
-// table per case. Needs the shared development data (SANATRIX_SHARED).
+// table per case, in Markdown on stdout: docs/theory/segmentation-table.md is what it prints.
+// Seconds go to stderr. Needs the shared development data (SANATRIX_SHARED).
 //   segmentation_table [--only PART-OF-NAME ...] [--save DIR]
 #include <cstdlib>
 #include <filesystem>
@@ -220,16 +221,16 @@ void measure(const Case& one, const std::string& save) {
   try {
     const imaging::AutomaticLabels found =
         imaging::label_image(mri.image, Context("segment", silent));
-    const double seconds = user_seconds() - start;
+    fmt::print(stderr, "{}: {:.0f} user s\n", one.name, user_seconds() - start);
     const imaging::Agreement a = imaging::compare_labels(found.grid.labels, mri.truth);
     const imaging::Quality quality = imaging::assess(found);
-    row += fmt::format(
-        " {:.3f} | {:.3f} | {:+.0f} % | {:.1f}, {:.1f} | {:.2f} | {:.1f} | {:.0f} | {} |",
-        a.soft_dice, a.glandular_dice, a.glandular_volume_percent, a.chest_wall.mean_mm,
-        a.chest_wall.p95_mm, a.skin.mean_mm, nipple_error_mm(found.grid.labels, mri.truth), seconds,
-        !quality.defects.empty()  ? "refused: " + quality.defects.front()
-        : !quality.doubts.empty() ? "doubted: " + quality.doubts.front()
-                                  : "");
+    row += fmt::format(" {:.3f} | {:.3f} | {:+.0f} % | {:.1f}, {:.1f} | {:.2f} | {:.1f} | {} |",
+                       a.soft_dice, a.glandular_dice, a.glandular_volume_percent,
+                       a.chest_wall.mean_mm, a.chest_wall.p95_mm, a.skin.mean_mm,
+                       nipple_error_mm(found.grid.labels, mri.truth),
+                       !quality.defects.empty()  ? "refused: " + quality.defects.front()
+                       : !quality.doubts.empty() ? "doubted: " + quality.doubts.front()
+                                                 : "");
     if (!save.empty()) {
       io::write_labels(found.grid.labels,
                        std::filesystem::path(save) / (one.name + " found.nii.gz"));
@@ -257,7 +258,7 @@ int main(int count, char** arguments) {
   sanatrix::add_synthetic(cases);
   fmt::print(
       "| image | soft Dice | gland Dice | volume | wall mean, p95 (mm) | skin (mm) | nipple (mm) | "
-      "user s | quality |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+      "quality |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n");
   for (const sanatrix::Case& one : cases) {
     const auto named = [&](const std::string& part) {
       return one.name.find(part) != std::string::npos;

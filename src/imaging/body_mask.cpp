@@ -239,7 +239,7 @@ AirSignal measure_air(const Image3<float>& image) {
   }
   const auto high = sample.begin() + static_cast<long>(0.995 * static_cast<double>(sample.size()));
   std::nth_element(sample.begin(), high, sample.end());
-  require(*high > 0.0F, "the image is empty: its voxels are zero");
+  require(*high > 0.0F, "the image is empty: hardly a voxel is above zero");
   // Lungs, muscle and fat far from the coil are dark as well: only what is in front of all that is
   // bright is surely air, but for tissue at the ends of the field, which is cut off.
   const auto bright = static_cast<float>(otsu_threshold(image, *high));

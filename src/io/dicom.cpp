@@ -10,6 +10,7 @@
 
 #include "core/confined_child.hpp"
 #include "core/error.hpp"
+#include "io/image_checks.hpp"
 
 namespace sanatrix::io {
 namespace {
@@ -134,6 +135,7 @@ Image3<float> read_dicom(const DicomFolder& folder, const DicomVolume& volume) {
                       .origin_mm = volume.origin_mm,
                       .direction = volume.direction,
                       .voxels = {}};
+  require_sound_place(image.spacing_mm, image.origin_mm, image.direction);
   const std::size_t count = image.index(0, 0, volume.size[2]);
   require(count <= most_memory / 16, "{} x {} x {} voxels are too many for a breast MRI",
           volume.size[0], volume.size[1], volume.size[2]);

@@ -16,6 +16,7 @@
 #include "core/error.hpp"
 #include "core/files.hpp"
 #include "io/dicom_slice.hpp"
+#include "io/series_words.hpp"
 
 namespace sanatrix::io {
 namespace {
@@ -138,6 +139,20 @@ std::string image_type(const Frame& frame) {
   return type;
 }
 
+/// Inversion recovery with the time at which fat passes through zero (150 ms at 1.5 T, 230 ms at 3
+/// T).
+bool nulls_fat(DcmItem& data) {
+  const double time_ms = number(data, DCM_InversionTime).value_or(0.0);
+  return time_ms >= 100.0 && time_ms <= 280.0;
+}
+
+/// Echo-planar images of the breast are taken for diffusion.
+bool is_diffusion(const Frame& frame) {
+  const double b = number(frame.macro(DCM_MRDiffusionSequence), DCM_DiffusionBValue).value_or(0.0);
+  return b > 0.0 || ('\\' + words(frame.data, DCM_ScanningSequence) + '\\').find("\\ep\\") !=
+                        std::string::npos;
+}
+
 Acquisition acquisition_of(const Frame& frame, const std::string& type) {
   DcmDataset& data = frame.data;
   Acquisition a;
@@ -159,12 +174,12 @@ Acquisition acquisition_of(const Frame& frame, const std::string& type) {
       words(frame.macro(DCM_MRModifierSequence), DCM_SpectrallySelectedSuppression);
   a.fat_suppressed = options == "fs" || options.starts_with("fs\\") ||
                      options.find("\\fs") != std::string::npos || suppression == "fat" ||
-                     has_any(description, {"fatsat", "fat sat", "spair", "spir", "stir", "_fs",
-                                           " fs", "fs_", "water excit"});
-  a.localizer = has_any(type, {"LOCALIZER", "SCOUT"}) ||
-                has_any(description, {"localizer", "localiser", "scout", "survey"});
-  a.derived_kind = has_any(type, {"SUBTRACT", "PROJECTION", "MIP", "MPR", "ADC", "PHASE", "\\P\\",
-                                  "\\W\\", "\\F\\", "WATER", "FAT\\", "DIFFUSION"});
+                     nulls_fat(data) || names_fat_suppression(description);
+  a.localizer = has_any(type, {"LOCALIZER", "SCOUT"}) || names_localizer(description);
+  a.derived_kind = has_any(type, {"SUBTRACT", "PROJECTION", "MIP", "MPR", "ADC", "PHASEMAP",
+                                  "\\PHASE\\", "OUT_PHASE", "OPP_PHASE", "\\OP\\", "\\P\\", "\\W\\",
+                                  "\\F\\", "WATER", "FAT\\", "DIFFUSION"}) ||
+                   is_diffusion(frame) || names_computed_image(description);
   a.contrast_agent = !words(data, DCM_ContrastBolusAgent).empty();
   return a;
 }
@@ -178,8 +193,9 @@ std::string stack_key(const Frame& frame, const DicomSlice& slice, const std::st
       &content == &frame.data ? DCM_TemporalPositionIdentifier : DCM_TemporalPositionIndex,
       temporal);
   frame.macro(DCM_MRDiffusionSequence).findAndGetOFString(DCM_DiffusionBValue, acquired_b);
-  return fmt::format("{}|{}|{}|{}|{}|{}x{}", series.c_str(), temporal.c_str(), acquired_b.c_str(),
-                     type, slice.acquisition.echo_time_ms, slice.size[0], slice.size[1]);
+  return fmt::format("{}|{}|{}|{}|{}|{}|{}x{}", slice.patient, series.c_str(), temporal.c_str(),
+                     acquired_b.c_str(), type, slice.acquisition.echo_time_ms, slice.size[0],
+                     slice.size[1]);
 }
 
 void read_geometry(const Frame& frame, DicomSlice& slice) {
@@ -206,6 +222,8 @@ void read_geometry(const Frame& frame, DicomSlice& slice) {
   slice.intercept = number(scaling, DCM_RescaleIntercept).value_or(0.0);
 }
 
+/// A file of PS3.10, or a bare data set, as old archives and network dumps have it: it begins with
+/// an element of group 8.
 bool is_dicom(const fs::path& file) {
   constexpr std::size_t preamble = 128;
   char start[preamble + 4] = {};
@@ -214,7 +232,8 @@ bool is_dicom(const fs::path& file) {
   };
   const std::unique_ptr<std::FILE, decltype(close)> in(std::fopen(file.c_str(), "rb"), close);
   return in && std::fread(start, 1, sizeof start, in.get()) == sizeof start &&
-         std::string_view(start + preamble, 4) == "DICM";
+         (std::string_view(start + preamble, 4) == "DICM" ||
+          (start[0] == 8 && start[1] == 0 && start[3] == 0));
 }
 
 void count_elements(DcmItem& data, DicomHeaders& headers) {
@@ -263,8 +282,14 @@ class HeaderReader {
       ++headers.files_without_image;
       return;
     }
-    OFString series_uid;
+    OFString series_uid, examination_uid, patient;
     data.findAndGetOFString(DCM_SeriesInstanceUID, series_uid);
+    data.findAndGetOFString(DCM_StudyInstanceUID, examination_uid);
+    if (data.findAndGetOFString(DCM_PatientID, patient).bad() || patient.empty()) {
+      data.findAndGetOFString(DCM_PatientName, patient);
+    }
+    slice.patient = patients_.of(patient.c_str());
+    slice.examination = examinations_.of(examination_uid.c_str());
     slice.series = series_.of(series_uid.c_str());
     const long frames = integer(data, DCM_NumberOfFrames, 1);
     require(frames >= 1 && frames <= most_frames, "{} says that it has {} frames",
@@ -285,7 +310,7 @@ class HeaderReader {
   }
 
  private:
-  Numbering series_, stacks_;
+  Numbering series_, stacks_, patients_, examinations_;
 };
 
 }  // namespace

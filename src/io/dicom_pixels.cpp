@@ -1,4 +1,5 @@
 // Reads DICOM pixels with DCMTK: any transfer syntax that it can decode, 8 or 16 bits, rescaled.
+#include <cmath>
 #include <memory>
 
 #include <dcmtk/config/osconfig.h>
@@ -16,16 +17,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double most_rescaling = 1e15;  ///< far from what a float cannot hold
+
 /// How stored bits become a number.
 struct BitLayout {
   int allocated = 16, stored = 12, high = 11;
   bool is_signed = false;
+  bool inverted = false;  ///< MONOCHROME1: the least value is white
 
   [[nodiscard]] float value(unsigned raw) const {
     const unsigned bits = (raw >> static_cast<unsigned>(high + 1 - stored)) &
                           ((1U << static_cast<unsigned>(stored)) - 1U);
     const bool negative = is_signed && ((bits >> static_cast<unsigned>(stored - 1)) & 1U) != 0;
-    return static_cast<float>(static_cast<int>(bits) - (negative ? 1 << stored : 0));
+    const int number = static_cast<int>(bits) - (negative ? 1 << stored : 0);
+    const int ends = is_signed ? -1 : (1 << stored) - 1;  // least and greatest value added
+    return static_cast<float>(inverted ? ends - number : number);
   }
 };
 
@@ -58,7 +64,14 @@ class PixelFile {
     const std::size_t size =
         static_cast<std::size_t>(slice.size[0]) * static_cast<std::size_t>(slice.size[1]);
     const std::size_t first = size * static_cast<std::size_t>(slice.frame);
-    require(first + size <= count_, "{} has fewer voxels than it says; it is cut off", name_);
+    if (first + size > count_) {
+      throw Error(Fault::Input,
+                  fmt::format("{} has fewer voxels than it says; it is cut off", name_),
+                  "copy it again from its source");
+    }
+    require(std::abs(slice.slope) > 0.0 && std::abs(slice.slope) < most_rescaling &&
+                std::abs(slice.intercept) < most_rescaling,
+            "{} has rescale slope {} and intercept {}", name_, slice.slope, slice.intercept);
     for (std::size_t i = first; i < first + size; ++i) {
       const unsigned raw = layout_.allocated == 8 ? bytes_[i] : words_[i];
       voxels.push_back(static_cast<float>(slice.slope * static_cast<double>(layout_.value(raw)) +
@@ -85,7 +98,9 @@ class PixelFile {
                 high < allocated && high + 1 >= stored,
             "{} stores {} of {} bits with high bit {}; 8 or 16 bits can be read", name_, stored,
             allocated, high);
-    layout_ = {allocated, stored, high, representation == 1};
+    OFString meaning;
+    data.findAndGetOFString(DCM_PhotometricInterpretation, meaning);
+    layout_ = {allocated, stored, high, representation == 1, meaning == "MONOCHROME1"};
   }
 
   std::string name_;

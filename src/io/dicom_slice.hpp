@@ -28,17 +28,18 @@ struct Acquisition {
   Weighting weighting = Weighting::Unknown;
   bool fat_suppressed = false;
   bool localizer = false;
-  bool derived_kind = false;  ///< subtraction, projection, phase, parameter map, Dixon fat or water
+  /// Subtraction, projection, phase, parameter map, Dixon fat or water, diffusion.
+  bool derived_kind = false;
   bool contrast_agent = false;  ///< an agent is named
   double field_strength_t = 0.0, repetition_time_ms = 0.0, echo_time_ms = 0.0;
 };
 
 /// Trivially copyable: it passes from the confined child to us as bytes.
 struct DicomSlice {
-  int file = 0;    ///< index into the list of files
-  int frame = 0;   ///< within the file
-  int series = 0;  ///< same number: same series instance
-  int stack = 0;   ///< same number: same series, time point, echo, kind and matrix
+  int file = 0;                                  ///< index into the list of files
+  int frame = 0;                                 ///< within the file
+  int patient = 0, examination = 0, series = 0;  ///< same number: same patient and so on
+  int stack = 0;  ///< same number: same series, time point, echo, kind and matrix
   int instance_number = 0;
   std::array<int, 2> size{};  ///< columns, rows
   Vec3 position_mm{};         ///< of the centre of the first voxel, LPS

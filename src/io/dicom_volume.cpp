@@ -117,7 +117,6 @@ DicomVolume volume_of(std::vector<DicomSlice> slices) {
   });
   volume.slices = std::move(slices);
   const DicomSlice& lowest = volume.slices.front();
-  const DicomSlice& highest = volume.slices.back();
   volume.origin_mm = lowest.position_mm;
   volume.spacing_mm = {lowest.pixel_mm[0], lowest.pixel_mm[1], std::max(volume.thickness_mm, 1e-3)};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -136,11 +135,16 @@ DicomVolume volume_of(std::vector<DicomSlice> slices) {
     }
   }
   check_gaps(volume, at);
-  const Vec3 along = highest.position_mm - lowest.position_mm;
-  const double shear = norm(along - dot(along, normal) * normal);
+  double shear = 0.0;
+  for (const DicomSlice& s : volume.slices) {
+    const Vec3 along = s.position_mm - lowest.position_mm;
+    shear = std::max(shear, norm(along - dot(along, normal) * normal));
+  }
   if (volume.defect.empty() && shear > most_shear_mm) {
     volume.defect = fmt::format(
-        "slices are shifted sideways by {:.1f} mm over the stack (tilted acquisition)", shear);
+        "slices are shifted sideways by up to {:.1f} mm (tilted acquisition, or slices of another "
+        "one)",
+        shear);
   }
   check_numbers(volume);
   return volume;
@@ -190,8 +194,11 @@ std::string unfit_because(const DicomVolume& volume) {
   if (position == "HFS" || position == "FFS") {
     return "the patient lies supine (" + position + "); a prone examination is needed";
   }
+  if (!position.empty() && position != "HFP" && position != "FFP") {
+    return "the patient position is " + position + "; a prone examination is needed (HFP or FFP)";
+  }
   if (a.derived_kind) {
-    return "it is computed from other images (subtraction, projection, phase or map)";
+    return "it is diffusion, or computed from other images (subtraction, projection, phase, map)";
   }
   if (a.fat_suppressed) {
     return "fat is suppressed; fat and gland are told apart in images without suppression";
@@ -277,6 +284,14 @@ const DicomVolume& choose_volume(const DicomFolder& folder, int series) {
     throw Error(Fault::Input, "no series is fit for a breast model: " + reasons,
                 "give a prone, bilateral, non-fat-suppressed T1 or T2 MRI, or choose one with "
                 "--series");
+  }
+  for (const DicomVolume& volume : folder.volumes) {
+    if (volume.slices[0].patient != best->slices[0].patient) {
+      throw Error(
+          Fault::Input,
+          fmt::format("series {} and {} are of different patients", best->index, volume.index),
+          "give the folder of one patient, or choose a series with --series");
+    }
   }
   return *best;
 }

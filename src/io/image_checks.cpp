@@ -1,44 +1,67 @@
 #include "io/image_checks.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstring>
+#include <fstream>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <zlib.h>
 
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "io/nifti_header.hpp"
 
 namespace sanatrix::io {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t nifti_header = 348;
-
-bool is_nifti(const fs::path& file) {
-  const std::string name = file.filename().string();
-  return name.ends_with(".nii") || name.ends_with(".nii.gz");
+bool named(const fs::path& file, std::initializer_list<std::string_view> endings) {
+  std::string name = file.filename().string();
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::ranges::any_of(endings, [&](std::string_view end) { return name.ends_with(end); });
 }
 
-/// The first bytes, unpacked; fewer when the file is shorter.
-std::vector<char> first_bytes(const fs::path& file, std::size_t count) {
-  std::vector<char> bytes(count);
-  const gzFile in = gzopen(file.c_str(), "rb");
-  const int read = in == nullptr ? 0 : gzread(in, bytes.data(), static_cast<unsigned>(count));
-  if (in != nullptr) {
-    gzclose(in);
+bool is_nifti(const fs::path& file) {
+  return named(file, {".nii", ".nii.gz"});
+}
+
+/// Without "space: ..." ITK takes the axes for left, posterior, superior.
+void require_nrrd_says_its_place(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string line;
+  bool has_space = false, has_directions = false;
+  for (int n = 0; n < 1000 && std::getline(in, line) && !line.empty() && line != "\r"; ++n) {
+    std::ranges::transform(line, line.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (line.starts_with("space:")) {
+      has_space = line.find("left-") != std::string::npos ||
+                  line.find("right-") != std::string::npos ||
+                  line.find("las") != std::string::npos || line.find("lps") != std::string::npos ||
+                  line.find("ras") != std::string::npos;
+    }
+    has_directions = has_directions || line.starts_with("space directions:");
+    if (line.starts_with("space units:") && line.find("\"mm\"") == std::string::npos) {
+      throw Error(Fault::Input, "its lengths are not in millimetres (" + line.substr(0, 40) + ")",
+                  "export the image again in millimetres");
+    }
   }
-  bytes.resize(static_cast<std::size_t>(std::max(read, 0)));
-  return bytes;
+  if (!line.empty() && line != "\r" && !in.eof()) {
+    return;  // no header that ITK would read
+  }
+  if (!has_space || !has_directions) {
+    throw Error(Fault::Input,
+                "it does not say which side is the patient's left (space, space directions)",
+                "export it again from its source with orientation");
+  }
 }
 
 /// zlib checks the CRC on the way; it reads plain files through as they are.
-bool nifti_is_complete(const fs::path& file, std::uint64_t voxel_bytes) {
+bool nifti_is_complete(const fs::path& file, std::uint64_t bytes) {
   const gzFile in = gzopen(file.c_str(), "rb");
   if (in == nullptr) {
     return false;
@@ -49,7 +72,7 @@ bool nifti_is_complete(const fs::path& file, std::uint64_t voxel_bytes) {
   while ((count = gzread(in, block.data(), static_cast<unsigned>(block.size()))) > 0) {
     total += static_cast<std::uint64_t>(count);
   }
-  return gzclose(in) == Z_OK && count == 0 && total >= nifti_header + voxel_bytes;
+  return gzclose(in) == Z_OK && count == 0 && total >= bytes;
 }
 
 bool meta_is_complete(const fs::path& file, std::uint64_t voxel_bytes) {
@@ -72,36 +95,15 @@ bool is_complete(const fs::path& file, std::uint64_t voxel_bytes) {
   if (file.extension() == ".mha") {
     return meta_is_complete(file, voxel_bytes);
   }
-  return !is_nifti(file) || nifti_is_complete(file, voxel_bytes);
+  return !is_nifti(file) || nifti_is_complete(file, nifti_bytes(file).value_or(voxel_bytes));
 }
 
-bool has_finite_header(const fs::path& file) {
-  const std::vector<char> header =
-      is_nifti(file) ? first_bytes(file, nifti_header) : std::vector<char>{};
-  if (header.size() < nifti_header) {
-    return true;  // not ours to judge
+void require_sound_header(const fs::path& file) {
+  if (is_nifti(file)) {
+    require_sound_nifti_header(file);
+  } else if (named(file, {".nrrd"})) {
+    require_nrrd_says_its_place(file);
   }
-  std::int32_t size = 0;
-  std::memcpy(&size, header.data(), sizeof size);
-  const bool swapped = size != static_cast<std::int32_t>(nifti_header);
-  const auto finite = [&](std::size_t at) {
-    std::array<char, sizeof(float)> bytes{};
-    std::copy_n(header.begin() + static_cast<std::ptrdiff_t>(at), bytes.size(), bytes.begin());
-    if (swapped) {
-      std::ranges::reverse(bytes);
-    }
-    float value = 0.0F;
-    std::memcpy(&value, bytes.data(), sizeof value);
-    return std::isfinite(value);
-  };
-  // nifti1.h: pixdim[1..3] at 80; quatern_b to qoffset_z and the rows of the affine from 256 on.
-  bool good = true;
-  for (const auto& [from, to] : {std::pair<std::size_t, std::size_t>{80, 92}, {256, 328}}) {
-    for (std::size_t at = from; at < to; at += sizeof(float)) {
-      good = good && finite(at);
-    }
-  }
-  return good;
 }
 
 void require_sound_place(const Vec3& spacing_mm, const Vec3& origin_mm, const Mat3& direction) {

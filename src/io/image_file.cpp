@@ -47,7 +47,8 @@ auto with_itk(Fault fault, const fs::path& file, const char* activity, F&& work)
 }
 
 itk::ImageIOBase::Pointer io_for(const fs::path& file, Fault fault) {
-  const std::string name = file.filename().string();
+  std::string name = file.filename().string();
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
   if (name.ends_with(".nii.gz") || name.ends_with(".nii")) {
     return itk::NiftiImageIO::New().GetPointer();
   }
@@ -138,8 +139,7 @@ Image3<float> read_image(const fs::path& file) {
   return with_itk(Fault::Input, file, "read", [&] {
     const auto io = io_for(file, Fault::Input);
     require(io->CanReadFile(file.c_str()), "{} is not what its extension says", file.string());
-    require(has_finite_header(file), "{}: its spacing or position is not a finite number",
-            file.filename().string());
+    during(file.filename().string(), [&] { require_sound_header(file); });
     io->SetFileName(file.string());
     io->ReadImageInformation();
     require_scalar_volume(*io, file);

@@ -153,6 +153,7 @@ LabelImage with_border(const LabelImage& inner, int border) {
 
 LabelImage map_names(const fs::path& file, const std::vector<Segment>& segments) {
   using Layers = itk::VectorImage<short, 3>;
+  require_sound_header(file);
   const auto io = itk::NrrdImageIO::New();
   auto reader = itk::ImageFileReader<Layers>::New();
   reader->SetImageIO(io);

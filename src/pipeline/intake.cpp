@@ -4,7 +4,9 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -19,7 +21,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 bool is_image_file(const fs::path& path) {
-  const std::string name = path.filename().string();
+  std::string name = path.filename().string();
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
   return std::ranges::any_of(std::array{".nii.gz", ".nii", ".nrrd", ".mha"},
                              [&](const char* end) { return name.ends_with(end); });
 }
@@ -80,18 +83,45 @@ json describe(const Image3<float>& image) {
           {"value_max", *high}};
 }
 
+void require_contrast(const Image3<float>& image, const fs::path& path) {
+  const auto [low, high] = std::ranges::minmax_element(image.voxels);
+  if (!(*low < *high)) {
+    throw Error(Fault::Input,
+                fmt::format("{}: all voxels of the image have the value {}",
+                            path.filename().string(), *low),
+                "export the image again");
+  }
+}
+
+/// Of another examination of the same patient, before or after an operation, say.
+std::optional<int> of_another_examination(const io::DicomFolder& folder,
+                                          const io::DicomVolume& chosen) {
+  for (const io::DicomVolume& volume : folder.volumes) {
+    if (volume.unfit.empty() && volume.slices[0].examination != chosen.slices[0].examination) {
+      return volume.index;
+    }
+  }
+  return std::nullopt;
+}
+
 GivenImage read_series(const fs::path& path, int series) {
   const io::DicomFolder folder = io::scan_dicom(path);
   const io::DicomVolume& volume = io::choose_volume(folder, series);
-  GivenImage given{.image = io::read_dicom(folder, volume), .facts = {}, .warnings = {}};
-  given.warnings = volume.warnings;
+  GivenImage given{.image = io::read_dicom(folder, volume), .facts = {}};
+  std::vector<std::string> warnings = volume.warnings;
+  if (const auto other = of_another_examination(folder, volume); other && series == 0) {
+    warnings.push_back(
+        fmt::format("series {} was chosen; series {}, of another examination, would do as well",
+                    volume.index, *other));
+  }
   if (series != 0 && !volume.unfit.empty()) {
-    given.warnings.push_back("the series was chosen by hand although " + volume.unfit);
+    warnings.push_back("the series was chosen by hand although " + volume.unfit);
   }
   if (volume.acquisition.patient_position.text().empty()) {
-    given.warnings.emplace_back("the images do not say how the patient lay; prone is assumed");
+    warnings.emplace_back("the images do not say how the patient lay; prone is assumed");
   }
   json facts = describe(volume, true);
+  facts["warnings"] = warnings;
   facts["source"] = "DICOM";
   // Codes of CID 7050: Basic Application Confidentiality Profile; nothing but voxels and the facts
   // of this file is kept, so no retain option applies.
@@ -214,9 +244,12 @@ json without_words(const json& value) {
 GivenImage read_given_image(const fs::path& path, int series) {
   require(fs::exists(path), "{} does not exist", path.string());
   if (!is_image_file(path)) {
-    return read_series(path, series);
+    GivenImage given = read_series(path, series);
+    require_contrast(given.image, path);
+    return given;
   }
-  GivenImage given{.image = io::read_image(path), .facts = {}, .warnings = {}};
+  GivenImage given{.image = io::read_image(path), .facts = {}};
+  require_contrast(given.image, path);
   json facts = describe(given.image);
   facts["source"] = "image file";
   given.facts = facts.dump(2) + "\n";

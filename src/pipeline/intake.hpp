@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "geometry/image.hpp"
 
@@ -13,7 +12,6 @@ namespace sanatrix::pipeline {
 struct GivenImage {
   Image3<float> image;
   std::string facts;  ///< JSON: modality, geometry, what was left behind, warnings
-  std::vector<std::string> warnings;
 };
 
 /// A DICOM folder or file (`series`: 0 chooses, else a number of `sanatrix inspect`), NIfTI, NRRD

@@ -130,11 +130,64 @@ class Images(CliTest):
         self.assertIn("12.0 mm apart but only 4.0 mm thick", " ".join(found["warnings"]))
 
     def test_a_supine_patient_and_other_modalities_are_refused(self):
-        for tag, value, word in [(0x00185100, "HFS", "supine"), (0x00080060, "CT", "not an MRI")]:
+        for tag, value, word in [(0x00185100, "HFS", "supine"), (0x00185100, "HFDL", "HFDL"),
+                                 (0x00080060, "CT", "not an MRI")]:
             other = torso()
             other.extra[tag] = element(tag, "CS", value)
             folder = other.write(self.folder / value)
             self.refused(2, "new", self.folder / "case", "--image", folder, says=[word])
+
+    def test_two_patients_in_one_folder_are_an_error(self):
+        folder = self.folder / "study"
+        torso().write(folder / "a")
+        other = torso()
+        other.number, other.uid = 4, "1.2.3.400"
+        other.extra[0x00100020] = element(0x00100020, "LO", "Q")
+        other.write(folder / "b")
+        said = self.refused(2, "new", self.folder / "case", "--image", folder,
+                            says=["different patients", "--series"])
+        self.assertNotIn("Q", said)
+        self.run_ok("new", self.folder / "case", "--image", folder, "--series", 2)
+
+    def test_what_was_assumed_is_a_warning(self):
+        folder = self.folder / "study"
+        for n, study in enumerate(["1.2.3", "1.2.4"]):
+            series = torso()
+            series.number, series.uid = n, f"1.2.3.{n}"
+            series.extra[0x0020000D] = element(0x0020000D, "UI", study)
+            series.extra[0x00185100] = element(0x00185100, "CS", "")
+            series.write(folder / str(n))
+        case = self.folder / "case"
+        said = self.run_ok("new", case, "--image", folder).stderr
+        self.assertIn("prone is assumed", said)
+        self.assertIn("another examination", said)
+        self.assertEqual(len(json.loads((case / "inputs/image.json").read_text())["warnings"]), 2)
+
+    def test_values_are_what_the_header_says(self):
+        plain = torso().write(self.folder / "plain")
+        self.run_ok("new", self.folder / "case-plain", "--image", plain)
+        _, values = voxels(self.folder / "case-plain")
+        inverted = torso()
+        inverted.extra[0x00280004] = element(0x00280004, "CS", "MONOCHROME1")
+        self.run_ok("new", self.folder / "case-inverted", "--image",
+                    inverted.write(self.folder / "inverted"))
+        self.assertEqual([4095 - v for v in values],
+                         list(voxels(self.folder / "case-inverted")[1]))
+        for slope, word in [("0", "rescale slope 0"), ("1e300", "rescale slope 1e+300")]:
+            scaled = torso()
+            scaled.extra[0x00281053] = element(0x00281053, "DS", slope)
+            self.refused(2, "new", self.folder / "case", "--image",
+                         scaled.write(self.folder / slope), says=[word])
+        bare = self.folder / "bare"  # data sets without preamble and meta header, as old archives have
+        bare.mkdir()
+        for file in plain.iterdir():
+            data = file.read_bytes()
+            (bare / file.name).write_bytes(data[data.index(b"\x08\x00\x05\x00CS"):])
+        self.run_ok("new", self.folder / "case-bare", "--image", bare)
+        self.assertEqual(values, voxels(self.folder / "case-bare")[1])
+        flat = self.folder / "flat.nii.gz"
+        write_nifti(flat, (30, 30, 30), 2.0, (0, 0, 0), bytes(27000))
+        self.refused(2, "new", self.folder / "case", "--image", flat, says=["all voxels"])
 
     def test_no_identifier_survives(self):
         secrets, elements = planted()

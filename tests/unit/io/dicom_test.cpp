@@ -10,6 +10,7 @@
 
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "io/series_words.hpp"
 #include "own_folder.hpp"
 #include "shared_data.hpp"
 
@@ -73,9 +74,52 @@ TEST(Dicom, WhatIsNoEvenStackSaysWhy) {
     sheared[k].position_mm[1] += 0.2 * static_cast<double>(k);
   }
   EXPECT_THAT(assemble_volumes(sheared)[0].defect, HasSubstr("sideways"));
+  std::vector<DicomSlice> aside = stack();
+  aside[5].position_mm[0] += 20.0;
+  EXPECT_THAT(assemble_volumes(aside)[0].defect, HasSubstr("sideways"));
   std::vector<DicomSlice> skewed = stack();
   skewed[3].column = {0.5, 0.8, 0};
   EXPECT_THAT(assemble_volumes(skewed)[0].defect, HasSubstr("another orientation"));
+}
+
+TEST(Dicom, OnlyProneSeriesOfOnePatientAreChosen) {
+  std::vector<DicomSlice> slices = stack();
+  for (DicomSlice& s : slices) {
+    s.acquisition.patient_position.letters = {'H', 'F', 'D', 'R'};
+  }
+  EXPECT_THAT(assemble_volumes(slices)[0].unfit, HasSubstr("position is HFDR"));
+  DicomFolder folder{.files = {}, .volumes = assemble_volumes(stack())};
+  EXPECT_EQ(choose_volume(folder, 0).index, 1);
+  for (DicomSlice& s : slices) {
+    s.patient = 1;  // not even as a series that would not be chosen
+  }
+  folder.volumes.push_back(assemble_volumes(slices)[0]);
+  folder.volumes[1].index = 2;
+  try {
+    choose_volume(folder, 0);
+    ADD_FAILURE() << "one of two patients was chosen";
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("series 1 and 2 are of different patients"));
+  }
+  EXPECT_EQ(choose_volume(folder, 1).index, 1);
+}
+
+TEST(Dicom, NamesOfSeriesSayWhatTheyAre) {
+  for (const char* name : {"T1 FAT-SAT", "AX T1 FatSupp", "t1_tse_tra_fs", "T1FS", "t2_tirm_tra",
+                           "T2 STIR", "eTHRIVE", "ax SPAIR"}) {
+    EXPECT_TRUE(names_fat_suppression(name)) << name;
+  }
+  for (const char* name : {"t1 fl3d tra non-fatsat", "T1 no fs", "t1_tse_nonfs", "t1 w/o fat sat",
+                           "ax t1 without FS", "ax t1 tse", "T1 inspiration"}) {
+    EXPECT_FALSE(names_fat_suppression(name)) << name;
+  }
+  for (const char* name : {"SUB_1", "subtraction 2-1", "MIP cor", "ep2d_diff_b50", "ADC",
+                           "t1_dixon_tra_W", "t1 dixon opp"}) {
+    EXPECT_TRUE(names_computed_image(name)) << name;
+  }
+  for (const char* name : {"ax t1 tse", "T1 DIXON in phase", "t1_fl3d_tra", "T2 TSE bilateral"}) {
+    EXPECT_FALSE(names_computed_image(name)) << name;
+  }
 }
 
 /// Bytes changed, lengths made huge, parts cut out, doubled or cut off.

@@ -132,6 +132,60 @@ TEST_F(ImageFile, HeadersThatMeanNoPlaceAreRefusedOnOneLine) {
   EXPECT_THAT(nrrd("(0,0,0) (0,1,0) (0,0,1)"), HasSubstr("a.nrrd"));
 }
 
+/// Bytes of `file` with numbers put at places of its NIfTI-1 header (nifti1.h).
+template <class T>
+void put(const fs::path& file, std::size_t at, T value) {
+  std::string bytes = read_text(file);
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+  write_text(file, bytes);
+}
+
+TEST_F(ImageFile, APlaceThatIsNotSaidOrSaidTwiceIsRefused) {
+  const fs::path file = folder_ / "a.nii";
+  const auto fresh = [&] {
+    write_image(oblique_image<float>(), file);
+  };
+  fresh();
+  put<std::int16_t>(file, 252, 0);  // qform_code
+  EXPECT_EQ(refusal(file), "accepted");
+  put<std::int16_t>(file, 254, 0);  // sform_code
+  EXPECT_THAT(refusal(file), HasSubstr("which side is the patient's left"));
+  fresh();
+  put<float>(file, 268, 170.5F);  // qoffset_x: 120.5 in RAS
+  EXPECT_THAT(refusal(file), HasSubstr("qform and sform) differ by 50 mm"));
+  fresh();
+  put<float>(file, 76, 1.0F);
+  put<float>(file, 288, 1.0F);  // a sheared sform
+  EXPECT_THAT(refusal(file), HasSubstr("not perpendicular"));
+  fresh();
+  put<std::int8_t>(file, 123, 1);
+  EXPECT_THAT(refusal(file), HasSubstr("lengths are in metres"));
+  const auto nrrd = [&](const std::string& place) {
+    write_text(folder_ / "a.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\n" + place +
+                                       "sizes: 2 2 2\nencoding: raw\n\n" + std::string(8, '\1'));
+    return refusal(folder_ / "a.nrrd");
+  };
+  const std::string directions = "space directions: (1,0,0) (0,1,0) (0,0,1)\n";
+  EXPECT_EQ(nrrd("space: RAS\n" + directions), "accepted");
+  EXPECT_THAT(nrrd("space dimension: 3\n" + directions), HasSubstr("patient's left"));
+  EXPECT_THAT(nrrd("space: scanner-xyz\n" + directions), HasSubstr("patient's left"));
+  EXPECT_THAT(nrrd(""), HasSubstr("patient's left"));
+  EXPECT_THAT(nrrd("space: LPS\n" + directions + "space units: \"m\" \"m\" \"m\"\n"),
+              HasSubstr("millimetres"));
+}
+
+// ITK calls a rescaled image of shorts one of doubles, of which the file seems to hold a quarter.
+TEST_F(ImageFile, NiftiIsRescaled) {
+  const fs::path file = folder_ / "a.nii";
+  write_image(oblique_image<float>(), file);  // whole numbers: as shorts
+  put<float>(file, 112, -2.0F);
+  put<float>(file, 116, 500.0F);
+  const Image3<float> image = read_image(file);
+  for (std::size_t v = 0; v < image.voxels.size(); ++v) {
+    EXPECT_EQ(image.voxels[v], 500.0F - 2.0F * oblique_image<float>().voxels[v]);
+  }
+}
+
 TEST_F(ImageFile, ReadsADevelopmentPatientInBothFormats) {
   SANATRIX_REQUIRE_SHARED("data/dev01/labels_mri.nrrd");
   const LabelImage nrrd = read_labels(shared_file);
