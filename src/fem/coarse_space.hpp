@@ -18,7 +18,7 @@ class CoarseSpace {
  public:
   static constexpr int modes = 13;
   /// Nodes of a group. Larger groups: cheaper coarse systems, more iterations.
-  static constexpr int group_size = 150;
+  static constexpr int group_size = 110;
 
   CoarseSpace(const Layout& layout, const BlockMatrix& fine, std::span<const std::uint8_t> fixed,
               std::span<const Vec3> positions);
