@@ -56,7 +56,9 @@ struct Shape {
 
 struct SolveOptions {
   double relative_tolerance = 1e-9;  ///< of the scaled residual against the load
-  int max_newton = 40;
+  int max_newton = 40;               ///< per load step
+  /// Of one load path, steps that were halved included. Paths that arrived took 8 to 99.
+  int max_newton_total = 400;
   double smallest_load_step = 1.0 / 256.0;  ///< of the whole load
 };
 
@@ -94,7 +96,8 @@ class Solver {
   /// Loaded shape of a body with this stress-free reference. `guess` may be empty. Load is stepped
   /// from the guess's equilibrium (or rest) and halved on failure; held nodes start where the loads
   /// prescribe them. Throws Error{Numerics} naming
-  /// cell, region, load fraction and min J when it fails at the smallest step.
+  /// cell, region, load fraction and min J when it fails at the smallest step, or
+  /// after max_newton_total iterations.
   Shape forward(std::span<const Vec3> reference_nodes, const Vec3& gravity, const Shape* guess,
                 const Context& ctx);
   /// Scaled residual of a shape under gravity: 0 in equilibrium, infinite where a cell is inverted.

@@ -166,7 +166,9 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
     }
     first = it == 0 ? now : first;
     const bool astray = patience == Patience::Little && it == trial_steps && now > first;
-    if (astray || crawls == allowed_crawls || it == options.max_newton || !std::isfinite(now)) {
+    const bool spent =
+        it == options.max_newton || report.newton_iterations >= options.max_newton_total;
+    if (astray || crawls == allowed_crawls || spent || !std::isfinite(now)) {
       return false;
     }
     // Eisenstat and Walker, choice 2 (doi:10.1137/0917003), never tighter than the goal needs.
@@ -198,9 +200,10 @@ bool Solver::Impl::newton(State& state, const std::vector<double>& target, doubl
 void Solver::Impl::fail(double load) const {
   throw Error(
       Fault::Numerics,
-      fmt::format("Newton's method did not converge beyond {:.3g} % of the load (residual "
-                  "{:.1e}); the worst cell is {}, det F = {:.3f}",
-                  100.0 * load, report.last_residual, discrete.worst_place(), discrete.worst_J()),
+      fmt::format("Newton's method did not converge beyond {:.3g} % of the load in {} iterations "
+                  "(residual {:.1e}); the worst cell is {}, det F = {:.3f}",
+                  100.0 * load, report.newton_iterations, report.last_residual,
+                  discrete.worst_place(), discrete.worst_J()),
       "see docs/failing/newton.md: stiffer tissue, a finer mesh there, or element p2p1");
 }
 
@@ -231,7 +234,8 @@ State Solver::Impl::follow_load(State state, bool from_rest, const Context& ctx)
       discrete.forget_factorisation();
       halved = true;
       step = 0.5 * (next - load);
-      if (step < options.smallest_load_step) {
+      if (step < options.smallest_load_step ||
+          report.newton_iterations >= options.max_newton_total) {
         fail(load);
       }
     }

@@ -1,6 +1,7 @@
 // Where the breasts are: what stands in front of a large ball rolling over the prone torso.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "core/error.hpp"
@@ -89,11 +90,61 @@ Rise clear_rise(const ColumnMap& skin, const AnatomyOptions& options) {
   }
 }
 
-/// The prominent columns connected to a nipple, on its side of the midline.
+/// Columns of one rise of the map each, numbered; -1 outside `raised`. From the highest column down
+/// every column joins the rise of its higher neighbours. Two rises that meet become one unless the
+/// lower of them stands clearly above the saddle where they meet: an arm beside a breast is its
+/// own.
+std::vector<int> rises_of(const ColumnMap& map, const std::vector<bool>& raised) {
+  constexpr double one_ridge = 0.5;  // height of the saddle, of the lower top's
+  std::vector<std::size_t> order;
+  for (std::size_t c = 0; c < raised.size(); ++c) {
+    if (raised[c]) {
+      order.push_back(c);
+    }
+  }
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t c) { return map.value[c]; });
+  std::vector<int> rise(raised.size(), -1), joined;
+  std::vector<double> top;
+  const auto root = [&](int r) {
+    while (joined[static_cast<std::size_t>(r)] != r) {
+      r = joined[static_cast<std::size_t>(r)];
+    }
+    return r;
+  };
+  const int nx = map.size[0];
+  for (const std::size_t c : order) {
+    const int i = static_cast<int>(c) % nx, k = static_cast<int>(c) / nx;
+    for (const auto& [di, dk] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+      const int a = i + di, b = k + dk;
+      if (a < 0 || b < 0 || a >= nx || b >= map.size[1] || rise[map.index(a, b)] < 0) {
+        continue;
+      }
+      const int there = root(rise[map.index(a, b)]);
+      const int here = rise[c] < 0 ? there : root(rise[c]);
+      // Numbers grow as tops get lower.
+      const auto [high, low] = std::minmax(here, there);
+      if (map.value[c] > one_ridge * top[static_cast<std::size_t>(low)]) {
+        joined[static_cast<std::size_t>(low)] = high;
+      }
+      rise[c] = rise[c] < 0 ? there : root(high);
+    }
+    if (rise[c] < 0) {
+      rise[c] = static_cast<int>(top.size());
+      joined.push_back(rise[c]);
+      top.push_back(map.value[c]);
+    }
+  }
+  for (int& r : rise) {
+    r = r < 0 ? r : root(r);
+  }
+  return rise;
+}
+
+/// The rise that a nipple is on, on its side of the midline.
 void mark_breast(BreastMap& breasts, const Rise& rise, const Vec3& nipple_mm, double midline_x_mm,
                  signed char side) {
   const ColumnMap& map = rise.map;
-  Mask raised{.size = {map.size[0], map.size[1], 1}, .voxels = {}};
+  std::vector<bool> raised;
   for (std::size_t c = 0; c < map.value.size(); ++c) {
     const std::size_t column = c % static_cast<std::size_t>(map.size[0]);
     const std::size_t row = c / static_cast<std::size_t>(map.size[0]);
@@ -101,10 +152,10 @@ void mark_breast(BreastMap& breasts, const Rise& rise, const Vec3& nipple_mm, do
     const double z = map.origin_mm[1] + static_cast<double>(row) * map.spacing_mm;
     const bool mine = (x > midline_x_mm) == (side > 0) &&
                       std::hypot(x - nipple_mm[0], z - nipple_mm[2]) <= rise.breast_reach_mm;
-    raised.voxels.push_back(mine && map.value[c] > footprint_prominence_mm ? 1 : 0);
+    raised.push_back(mine && map.value[c] > footprint_prominence_mm);
   }
   const std::size_t tip = map.nearest(nipple_mm[0], nipple_mm[2]);
-  if (raised.voxels[tip] == 0) {
+  if (!raised[tip]) {
     throw Error(Fault::Input,
                 fmt::format("no breast on the patient's {}: the nipple at {:.0f} {:.0f} {:.0f} mm "
                             "stands only {:.0f} mm forward of the torso",
@@ -112,9 +163,9 @@ void mark_breast(BreastMap& breasts, const Rise& rise, const Vec3& nipple_mm, do
                             map.value[tip]),
                 "the model needs both breasts, on a prone image or a standing scan");
   }
-  const Parts parts = connected_parts(raised);
+  const std::vector<int> rises = rises_of(map, raised);
   for (std::size_t c = 0; c < map.value.size(); ++c) {
-    if (parts.part[c] == parts.part[tip]) {
+    if (rises[c] == rises[tip]) {
       breasts.side[c] = side;
     }
   }

@@ -2,12 +2,12 @@
 #include "meshing/breast_mesh.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "core/error.hpp"
 #include "meshing/anatomy.hpp"
 #include "meshing/cell_tissue.hpp"
+#include "meshing/deadline.hpp"
 #include "meshing/domain_surface.hpp"
 #include "meshing/improve.hpp"
 #include "meshing/sizing.hpp"
@@ -22,28 +22,6 @@ constexpr double wanted_dihedral_deg = 12.0;
 /// Skin faces may be this part of the far edge away from the skin: a third of a voxel of the label
 /// grid for edges of 8 mm.
 constexpr double surface_distance_part = 1.0 / 16.0;
-
-class Deadline {
- public:
-  explicit Deadline(double seconds)
-      : limit_s_(seconds),
-        end_(Clock::now() +
-             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {}
-  [[nodiscard]] double left_s() const {
-    return std::chrono::duration<double>(end_ - Clock::now()).count();
-  }
-  void check() const {
-    if (left_s() <= 0.0) {
-      throw Error(Fault::Resource, fmt::format("meshing took longer than {:g} s", limit_s_),
-                  "ask for fewer vertices or raise the time limit");
-    }
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double limit_s_;
-  Clock::time_point end_;
-};
 
 void check(const LabelImage& labels, const Image3<float>& fibroglandular,
            const MeshOptions& options) {
@@ -132,8 +110,7 @@ BreastModel mesh_breasts(const LabelImage& labels, const Image3<float>& fibrogla
                    ctx.part(0.0, 0.2));
   deadline.check();
   ctx.at(0.2, "clipped surface");
-  const DomainSurface surface = extract_domain(anatomy, nipple_mm);
-  deadline.check();
+  const DomainSurface surface = extract_domain(anatomy, nipple_mm, deadline);
 
   BreastModel model;
   Sizing sizing(anatomy, options);
@@ -150,7 +127,7 @@ BreastModel mesh_breasts(const LabelImage& labels, const Image3<float>& fibrogla
     deadline.check();
     Tetrahedra mesh = refinement.mesh();
     peel_flat_cells(mesh, wanted_dihedral_deg);
-    move_vertices_of_flat_cells(mesh, surface, wanted_dihedral_deg);
+    move_vertices_of_flat_cells(mesh, surface, wanted_dihedral_deg, deadline);
     model.mesh = to_model_mesh(mesh, surface.box);
     if (least_dihedral(model.mesh) > least_dihedral_deg && is_closed(model.mesh)) {
       break;

@@ -203,12 +203,13 @@ void sort_by_position(DomainSurface& domain) {
 
 /// The part of a closed surface inside the box, closed by the box's planes.
 DomainSurface clip(SurfaceMesh surface, const Anatomy& anatomy, const ClipBox& box,
-                   const std::array<Vec3, 2>& nipple_mm) {
+                   const std::array<Vec3, 2>& nipple_mm, const Deadline& deadline) {
   const std::vector<ClipPlane> planes = clip_planes(box);
   for (const ClipPlane& plane : planes) {
     std::array<double, 3> normal{};
     normal[plane.axis] = plane.outwards;
     const Kernel::Plane_3 cut(normal[0], normal[1], normal[2], -plane.outwards * plane.at_mm);
+    deadline.check();
     pmp::clip(surface, cut, CGAL::parameters::clip_volume(true));
   }
   keep_one_piece(surface, nipple_mm);
@@ -255,7 +256,8 @@ std::vector<ClipPlane> clip_planes(const ClipBox& box) {
           {Patch::Superior, 2, box.high_mm[2], 1}};
 }
 
-DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& nipple_mm) {
+DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& nipple_mm,
+                             const Deadline& deadline) {
   SurfaceMesh whole = iso_surface(anatomy);
   ensure(CGAL::is_closed(whole) && !whole.is_empty(), "the iso-surface is not closed");
   if (!pmp::is_outward_oriented(whole)) {
@@ -269,8 +271,8 @@ DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& 
   DomainSurface best;
   double best_clearance = -1.0;
   for (const Vec3& shift : shifts) {
-    DomainSurface domain = clip(whole, anatomy, shifted_box(anatomy, shift), nipple_mm);
-    const double clearance = clearance_mm(domain, find_curves(domain));
+    DomainSurface domain = clip(whole, anatomy, shifted_box(anatomy, shift), nipple_mm, deadline);
+    const double clearance = clearance_mm(domain, find_curves(domain), deadline);
     if (clearance > best_clearance) {
       best = std::move(domain);
       best_clearance = clearance;

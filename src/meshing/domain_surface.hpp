@@ -7,6 +7,7 @@
 
 #include "geometry/vec3.hpp"
 #include "meshing/anatomy.hpp"
+#include "meshing/deadline.hpp"
 
 namespace sanatrix::meshing {
 
@@ -32,7 +33,8 @@ struct DomainSurface {
 
 /// Surface of soft tissue in front of the chest inside the box: closed, one piece. The planes are
 /// moved a little where they would leave strips too narrow to mesh.
-/// Throws Error{Input} when the breasts are not connected.
-DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& nipple_mm);
+/// Throws Error{Input} when the breasts are not connected, Error{Resource} at the deadline.
+DomainSurface extract_domain(const Anatomy& anatomy, const std::array<Vec3, 2>& nipple_mm,
+                             const Deadline& deadline);
 
 }  // namespace sanatrix::meshing

@@ -66,10 +66,11 @@ class Mover {
   }
 
   /// One pass over the flat cells; true when something moved.
-  bool sweep() {
+  bool sweep(const Deadline& deadline) {
     bool moved = false;
     for (const auto& cell : mesh_.cells) {
       if (flatness(corners(cell)) > bound_) {
+        deadline.check();
         for (const int v : cell) {
           moved = improve(static_cast<std::size_t>(v)) || moved;
         }
@@ -258,9 +259,10 @@ void peel_flat_cells(Tetrahedra& mesh, double bound_deg) {
   Peeler(mesh, bound_deg).peel();
 }
 
-void move_vertices_of_flat_cells(Tetrahedra& mesh, const DomainSurface& surface, double bound_deg) {
+void move_vertices_of_flat_cells(Tetrahedra& mesh, const DomainSurface& surface, double bound_deg,
+                                 const Deadline& deadline) {
   Mover mover(mesh, surface, bound_deg);
-  for (int sweep = 0; sweep < 10 && mover.sweep(); ++sweep) {
+  for (int sweep = 0; sweep < 10 && mover.sweep(deadline); ++sweep) {
   }
 }
 

@@ -96,7 +96,8 @@ std::vector<PatchCurve> find_curves(const DomainSurface& surface) {
   return CurveFinder(surface).find();
 }
 
-double clearance_mm(const DomainSurface& surface, const std::vector<PatchCurve>& curves) {
+double clearance_mm(const DomainSurface& surface, const std::vector<PatchCurve>& curves,
+                    const Deadline& deadline) {
   // Curves leave a common end at an angle, so they are compared beyond this distance from it.
   constexpr double around_end_mm = 6.0;
   double least = 1e9;
@@ -106,6 +107,7 @@ double clearance_mm(const DomainSurface& surface, const std::vector<PatchCurve>&
     least = std::min(least, length(points.back()) / 3.0);
   }
   for (std::size_t i = 0; i < curves.size(); ++i) {
+    deadline.check();
     for (std::size_t j = 0; j < i; ++j) {
       std::vector<Vec3> ends;
       for (const Vec3& p : {points[i].front(), points[i].back()}) {

@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "meshing/deadline.hpp"
 #include "meshing/domain_surface.hpp"
 
 namespace sanatrix::meshing {
@@ -18,6 +19,7 @@ std::vector<PatchCurve> find_curves(const DomainSurface& surface);
 
 /// How far apart [mm] curves stay from each other away from their common ends, or a third of
 /// the length of the shortest curve if that is less. A mesh needs smaller edges than this.
-double clearance_mm(const DomainSurface& surface, const std::vector<PatchCurve>& curves);
+double clearance_mm(const DomainSurface& surface, const std::vector<PatchCurve>& curves,
+                    const Deadline& deadline);
 
 }  // namespace sanatrix::meshing

@@ -23,7 +23,8 @@ std::vector<double> signed_distances(const TriMesh& from, const TriMesh& to, dou
   for (std::size_t v = 0; v < from.points.size(); ++v) {
     const auto hit = target.closest(from.points[v]);
     const double sign = dot(hit.point - from.points[v], hit.normal) < 0 ? -1.0 : 1.0;
-    const bool comparable = !hit.on_border && dot(hit.normal, normals[v]) >= least_cosine;
+    const bool comparable =
+        dot(hit.normal, normals[v]) >= least_cosine && !target.ends_near(from.points[v], hit);
     distances.push_back(comparable ? sign * hit.distance : nothing);
   }
   return distances;

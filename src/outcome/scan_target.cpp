@@ -10,7 +10,24 @@ ScanTarget::ScanTarget(TriMesh surface)
     : surface_(std::move(surface)),
       tree_(surface_),
       normals_(vertex_normals(surface_)),
-      border_(border_vertices(surface_)) {}
+      border_(border_vertices(surface_)) {
+  TriMesh rim{surface_.points, {}};
+  for (const auto& t : surface_.triangles) {
+    if (std::ranges::any_of(t, [&](int v) { return border_[static_cast<std::size_t>(v)]; })) {
+      rim.triangles.push_back(t);
+    }
+  }
+  if (!rim.triangles.empty()) {
+    rim_.emplace(rim);
+  }
+}
+
+bool ScanTarget::ends_near(const Vec3& p, const Hit& hit) const {
+  // Teeth of a rim are some edges high; right at the skin a rim beside it does not matter.
+  constexpr double nearly = 1.2, touching_m = 0.001;
+  return hit.on_border ||
+         (rim_ && hit.distance > touching_m && rim_->closest(p).distance < nearly * hit.distance);
+}
 
 ScanTarget::Hit ScanTarget::closest(const Vec3& p) const {
   const SurfaceTree::Hit hit = tree_.closest(p);
@@ -83,6 +100,36 @@ std::array<double, 3> weights_in(const TriMesh& surface, int triangle, const Vec
   return {1 - wb - wc, wb, wc};
 }
 
+namespace {
+
+/// Of triangles that fell onto each other: those that look opposite ways are a fold and cancel, or
+/// their edges would look like borders; what is left counts once.
+void keep_net_triangles(std::vector<std::array<int, 3>>& triangles) {
+  std::vector<std::pair<std::array<int, 3>, int>> sides;
+  for (std::array<int, 3> t : triangles) {
+    std::ranges::rotate(t, std::ranges::min_element(t));
+    const int side = t[1] < t[2] ? 1 : -1;
+    std::ranges::sort(t);
+    sides.emplace_back(t, side);
+  }
+  std::ranges::sort(sides);
+  triangles.clear();
+  for (auto first = sides.begin(); first != sides.end();) {
+    int net = 0;
+    auto last = first;
+    for (; last != sides.end() && last->first == first->first; ++last) {
+      net += last->second;
+    }
+    const auto& [a, b, c] = first->first;
+    if (net != 0) {
+      triangles.push_back(net > 0 ? std::array{a, b, c} : std::array{a, c, b});
+    }
+    first = last;
+  }
+}
+
+}  // namespace
+
 TriMesh coarsened(const TriMesh& surface, double edge_m) {
   struct Cube {
     Vec3 sum{};
@@ -117,18 +164,7 @@ TriMesh coarsened(const TriMesh& surface, double edge_m) {
       coarse.triangles.push_back(triangle);
     }
   }
-  // Triangles that fell onto each other count once, or edges would look like borders.
-  std::ranges::sort(coarse.triangles, [](auto a, auto b) {
-    std::ranges::sort(a);
-    std::ranges::sort(b);
-    return a < b;
-  });
-  const auto repeated = std::ranges::unique(coarse.triangles, [](auto a, auto b) {
-    std::ranges::sort(a);
-    std::ranges::sort(b);
-    return a == b;
-  });
-  coarse.triangles.erase(repeated.begin(), repeated.end());
+  keep_net_triangles(coarse.triangles);
   return coarse;
 }
 

@@ -1,6 +1,8 @@
 // A scan prepared for closest points: with normals, and knowing where it ends.
 #pragma once
 
+#include <optional>
+
 #include "geometry/distance.hpp"
 #include "geometry/tri_mesh.hpp"
 
@@ -17,13 +19,17 @@ class ScanTarget {
     bool on_border;  ///< at a hole or at the end of the scan: nothing may be concluded from it
   };
   [[nodiscard]] Hit closest(const Vec3& p) const;
+  /// Whether the scan ends, or has a hole, nearly as near to p as its closest point is: on a jagged
+  /// rim that point need not lie on the border. Costs a second search.
+  [[nodiscard]] bool ends_near(const Vec3& p, const Hit& hit) const;
   [[nodiscard]] const TriMesh& surface() const { return surface_; }
 
  private:
   TriMesh surface_;
   SurfaceTree tree_;
-  std::vector<Vec3> normals_;  ///< per vertex
-  std::vector<bool> border_;   ///< per vertex
+  std::vector<Vec3> normals_;       ///< per vertex
+  std::vector<bool> border_;        ///< per vertex
+  std::optional<SurfaceTree> rim_;  ///< of triangles with vertices on the border
 };
 
 /// A third of the area of the triangles around each vertex [m2].

@@ -11,8 +11,8 @@ const std::array<StageInfo, 9>& all_stages() {
   static const std::vector<std::string> body{"tissue.", "skin.", "solver."};
   static const std::array<StageInfo, 9> table{{
       {Image, "image", "10-image", "A", "reading the images", 1, {}, {}, false},
-      {Segment, "segment", "20-segment", "B", "segmenting", 12, {Image}, {"segment."}, false},
-      {Mesh, "mesh", "30-mesh", "C-D", "meshing", 3, {Segment}, {"mesh."}, false},
+      {Segment, "segment", "20-segment", "B", "segmenting", 13, {Image}, {"segment."}, false},
+      {Mesh, "mesh", "30-mesh", "C-D", "meshing", 4, {Segment}, {"mesh."}, false},
       {Unload, "unload", "40-unload", "E", "unloading", 2, {Mesh}, body, true},
       {Supine, "supine", "50-supine", "F", "supine pose", 1, {Mesh, Unload}, body, true},
       {Surgery, "surgery", "60-surgery", "G", "surgery", 2, {Mesh, Supine}, {"surgery."}, false},

@@ -1,8 +1,12 @@
 // Steps C and D: the two-breast tetrahedral model of the prone patient.
+#include <fmt/format.h>
+
 #include "pipeline/artefacts.hpp"
 #include "pipeline/focus.hpp"
 #include "pipeline/segmentation_store.hpp"
 #include "pipeline/stages.hpp"
+#include "pipeline/standing_scan.hpp"
+#include "standing/skin_check.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -12,6 +16,26 @@ struct MeshPreset {
   double near_edge_m;
 };
 constexpr MeshPreset standard_mesh{10000, 0.003}, paper_mesh{5000, 0.004};
+
+/// A model made of a scan must stand as in the scan; where it does not is said.
+void check_skin(const StageInput& in, const TetMesh& mesh, StageNotes& notes) {
+  constexpr double most_m = 0.004;  // twice the rounding of labels, iso-surface and usual edges
+  std::vector<Vec3> skin;
+  for (const int v : vertices_on(mesh, "skin")) {
+    skin.push_back(mesh.points[static_cast<std::size_t>(v)]);
+  }
+  const standing::SkinDistance off =
+      standing::distance_from_scan(skin, load_standing_scan(in.patient).skin);
+  notes.numbers.emplace_back("skin_from_scan_p95_mm", 1e3 * off.p95);
+  notes.numbers.emplace_back("skin_from_scan_max_mm", 1e3 * off.largest);
+  if (off.largest > most_m) {
+    const Vec3 at = 1e3 * off.worst;
+    notes.warnings.push_back(
+        fmt::format("the model's skin is up to {:.1f} mm away from the scan, at {:.0f} {:.0f} "
+                    "{:.0f} mm: look at the scan there",
+                    1e3 * off.largest, at[0], at[1], at[2]));
+  }
+}
 
 }  // namespace
 
@@ -58,6 +82,9 @@ StageNotes run_mesh(const StageInput& in) {
                    {"max_edge_mm", 1e3 * quality.max_edge_m},
                    {"mean_edge_in_focus_mm", 1e3 * quality.mean_edge_in_focus_m},
                    {"skin_roughness_deg", quality.skin_roughness_deg}};
+  if (in.patient.scan_only()) {
+    check_skin(in, model.mesh, notes);
+  }
   return notes;
 }
 

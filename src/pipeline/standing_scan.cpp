@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/files.hpp"
+#include "geometry/surface_noise.hpp"
 #include "io/scan_file.hpp"
 #include "outcome/scan_target.hpp"
 
@@ -135,6 +136,28 @@ std::optional<std::string> about_resolution(const TriMesh& mesh) {
       1e3 * edge_m, mesh.triangles.size());
 }
 
+/// The scan of a file without noise that would make a mesh rough; what was taken off is noted.
+io::Scan read_calm_scan(const fs::path& file, io::ScanUnit unit) {
+  constexpr double most_m = 0.004;  // a fold under a breast is not much wider
+  io::Scan scan = io::read_scan(file, unit);
+  const double noise_m = noise_of(scan.surface.mesh);
+  const int rounds = rounds_for(scan.surface.mesh, noise_m);
+  if (rounds == 0) {
+    return scan;
+  }
+  const std::string noise = fmt::format("noise of {:.1f} mm (1 sd of each point)", 1e3 * noise_m);
+  if (noise_m > most_m) {
+    throw Error(
+        Fault::Input,
+        fmt::format("scan: it has {}; a model needs less than {:g} mm", noise, 1e3 * most_m),
+        "scan the patient again, standing still, or smooth the scan");
+  }
+  scan.surface.mesh = smoothed(std::move(scan.surface.mesh), rounds);
+  scan.notes.push_back(fmt::format(
+      "the scan is rough: {} was smoothed away; nipples and folds are smoothed over", noise));
+  return scan;
+}
+
 }  // namespace
 
 void find_standing_frame(Case& patient) {
@@ -143,7 +166,7 @@ void find_standing_frame(Case& patient) {
     marks = read_marks(read_text(patient.input("scan_landmarks")), "scan landmarks");
   }
   const io::ScanUnit asked = io::parse_scan_unit(patient.parameters.text("outcome.scan_unit"));
-  io::Scan scan = io::read_scan(patient.input("scan"), asked);
+  io::Scan scan = read_calm_scan(patient.input("scan"), asked);
   const std::string about_sides = check_sides(scan.surface);
   const auto find = [&] {
     return during("scan", [&] { return standing::find_frame(scan.surface, marks); });
@@ -157,7 +180,7 @@ void find_standing_frame(Case& patient) {
       throw;
     }
     try {
-      scan = io::read_scan(patient.input("scan"), io::ScanUnit::Inch);
+      scan = read_calm_scan(patient.input("scan"), io::ScanUnit::Inch);
       frame = find();
     } catch (const Error&) {
       throw in_centimetres;
@@ -203,7 +226,7 @@ StandingScan load_standing_scan(const Case& patient) {
   if (j.contains("sternal_notch_lps_mm")) {
     scan.sternal_notch = 1e-3 * j["sternal_notch_lps_mm"].get<Vec3>();
   }
-  const io::Scan file = io::read_scan(patient.input("scan"), io::parse_scan_unit(scan.unit));
+  const io::Scan file = read_calm_scan(patient.input("scan"), io::parse_scan_unit(scan.unit));
   const TriMesh& mesh = file.surface.mesh;
   scan.skin = moved(
       mesh.triangles.size() > most_triangles ? outcome::coarsened(mesh, thinned_edge_m) : mesh,

@@ -289,7 +289,7 @@ Stance found_stance(const TriMesh& coarse, const std::optional<Vec3>& up) {
 /// A breast and something else that stands forward, a shoulder or a flank, are neither mirror
 /// images nor on a trunk that is one: found when a breast is missing or flat.
 void check_pair(const ScanFrame& frame, double symmetry) {
-  constexpr double least_symmetry = 0.6;  // 0.85 to 0.99 on trunks, 0.36 to 0.50 on what is none
+  constexpr double least_symmetry = 0.6;                       // of skin that is not breast; chosen
   constexpr double most_unlike_m = 0.05, least_apart_m = 0.1;  // of the nipples of one patient
   const Vec3 &right = frame.nipple[0], &left = frame.nipple[1];
   const double unlike = std::hypot(right[0] + left[0], right[2] - left[2]);

@@ -57,6 +57,24 @@ TEST_P(ABlock, SagsAlikeUnderGravityAndUnderTheSameBodyForce) {
   EXPECT_THROW(by_force.inverse(rest, {}, ctx), Error);
 }
 
+TEST_P(ABlock, GivesUpWhenALoadPathHasTakenAllItsIterations) {
+  hold(body, "x0", 7);
+  const Vec3 down{0.0, 0.0, -9.81};
+  Solver patient(body);
+  const auto rest = patient.straight_nodes(mesh.points);
+  patient.forward(rest, down, nullptr, ctx);
+  const int needed = patient.last_report().newton_iterations;
+  Solver hasty(body, {.max_newton_total = needed - 1});
+  try {
+    hasty.forward(rest, down, nullptr, ctx);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault(), Fault::Numerics);
+    EXPECT_NE(std::string(e.what()).find(fmt::format("in {} iterations", needed - 1)),
+              std::string::npos);
+  }
+}
+
 // An affine deformation with held faces on one side and its exact traction on the other is
 // reproduced exactly: the patch test.
 TEST_P(ABlock, TakesAnAffineDeformationFromSupportsAndTraction) {

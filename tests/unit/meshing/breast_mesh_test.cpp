@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "core/error.hpp"
+#include "meshing/anatomy.hpp"
+#include "meshing/domain_surface.hpp"
 #include "synthetic_torso.hpp"
 
 namespace {
@@ -220,6 +222,21 @@ TEST_F(Refusal, names_the_cause) {
   EXPECT_THAT(of(one.isotropic(2.0)), HasSubstr("no breast on the patient's left"));
 
   EXPECT_THAT(of(good, Fault::Resource, 0.01), HasSubstr("longer than 0.01 s"));
+}
+
+TEST(Deadline, stops_the_search_for_a_surface_that_can_be_meshed) {
+  const SyntheticTorso torso;
+  Silent nobody;
+  const std::array<Vec3, 2> nipples{torso.tip(-1), torso.tip(1)};
+  const meshing::Anatomy anatomy = meshing::find_anatomy(
+      torso.isotropic(2.0), {.midline_x_mm = 0.0, .nipple_mm = nipples}, Context("mesh", nobody));
+  try {
+    meshing::extract_domain(anatomy, nipples, meshing::Deadline(0.0));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.fault(), Fault::Resource);
+    EXPECT_THAT(e.hint(), HasSubstr("mesh.time_limit_s"));
+  }
 }
 
 }  // namespace

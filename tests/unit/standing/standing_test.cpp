@@ -2,11 +2,14 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
 #include "core/error.hpp"
+#include "outcome/scan_target.hpp"
 #include "standing/scan_frame.hpp"
+#include "standing/skin_check.hpp"
 #include "standing/standing_body.hpp"
 #include "standing_trunk.hpp"
 
@@ -163,6 +166,33 @@ TEST(StandingBody, AnArmBesideTheTrunkIsNoBreast) {
   }
 }
 
+TEST(StandingBody, AnArmThatTheBreastLeadsOverToIsNoBreast) {
+  // On the left a rise of its own above the breast; skin between them stands forward, too.
+  constexpr double arm_x = 110, arm_z = 75, arm_width = 16, arm_rise = 45, bridge = 7;
+  const Trunk trunk;
+  meshing::ColumnMap skin_y{
+      .size = {101, 81}, .spacing_mm = 4.0, .origin_mm = {-200, -160}, .value = {}};
+  for (int k = 0; k < skin_y.size[1]; ++k) {
+    for (int i = 0; i < skin_y.size[0]; ++i) {
+      const double x = -200 + 4.0 * i, z = -160 + 4.0 * k;
+      const double across = (x - arm_x) / arm_width, along = (z - arm_z) / arm_width;
+      const double arm = arm_rise * std::exp(-0.5 * (across * across + along * along));
+      const bool between = x > 85 && x < 125 && z > 30 && z < arm_z;
+      skin_y.value.push_back(100 - std::max(trunk.bump(x, z), arm) - (between ? bridge : 0.0));
+    }
+  }
+  const auto side_at = [&](double x, double z) {
+    const meshing::BreastMap breasts =
+        meshing::map_breasts(skin_y, skin_y,
+                             {.nipple_mm = {{{-85, 50, 0}, {85, 50, 0}}},
+                              .ball = meshing::standing_ball,
+                              .breast_reach_mm = meshing::standing_reach_mm});
+    return breasts.side[breasts.base.nearest(x, z)];
+  };
+  EXPECT_EQ(side_at(85, 0), 1);
+  EXPECT_EQ(side_at(arm_x, arm_z), 0);
+}
+
 TEST(StandingBody, ADeeperWallMakesLargerBreasts) {
   const StandingBody usual = body_of({}),
                      deep = body_of({}, usual_wall_depth_mm + wall_offset_doubt_mm);
@@ -176,6 +206,50 @@ TEST(StandingBody, SmallHolesAreClosedAndLargeOnesRefused) {
   const StandingBody mended = body_of({.hole_mm = {85, 0, 30}, .hole_radius_mm = 10});
   EXPECT_NEAR(mended.breast_cm3[1], whole.breast_cm3[1], 0.02 * whole.breast_cm3[1]);
   EXPECT_THROW(body_of({.hole_mm = {85, 0, 0}, .hole_radius_mm = 30}), Error);
+}
+
+TEST(SkinCheck, SeesWhereAModelLeavesTheScanButNotAcrossItsHoles) {
+  const Trunk trunk{.hole_mm = {85, 0, 0}, .hole_radius_mm = 12};
+  const auto skin_at = [&](double x, double z, double before_mm) {
+    return 1e-3 * Vec3{x, Trunk::chest(x) - trunk.bump(x, z) - before_mm, z};
+  };
+  std::vector<Vec3> skin{skin_at(-60, 40, 0), skin_at(0, 20, 2), skin_at(85, 0, 30)};
+  const SkinDistance good = distance_from_scan(skin, trunk.scan());
+  EXPECT_NEAR(1e3 * good.largest, 2.0, 0.1);  // the breastbone is flat there
+  // Between two teeth of the hole's rim the closest point need not lie on the border.
+  for (double turn = 0; turn < 6.2; turn += 0.05) {
+    skin.push_back(skin_at(85 + 11 * std::cos(turn), 11 * std::sin(turn), 12));
+  }
+  EXPECT_NEAR(1e3 * distance_from_scan(skin, trunk.scan()).largest, 2.0, 0.1);
+  skin.push_back(skin_at(0, -60, 9));
+  const SkinDistance bad = distance_from_scan(skin, trunk.scan());
+  EXPECT_NEAR(1e3 * bad.largest, 9.0, 0.1);
+  EXPECT_NEAR(1e3 * bad.worst[2], -60, 1e-6);
+}
+
+TEST(Coarsened, ARoughFineScanHasNoHolesAfterwards) {
+  // 0.5 mm edges that bend by 0.15 mm: many triangles fall onto each other in cubes of 1.5 mm.
+  TriMesh mesh;
+  constexpr int n = 121;
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 0.15e-3);
+  for (int k = 0; k < n; ++k) {
+    for (int i = 0; i < n; ++i) {
+      mesh.points.push_back(
+          {0.5e-3 * i + noise(random), 0.02 + noise(random), 0.5e-3 * k + noise(random)});
+      if (const int a = k * n + i; i + 1 < n && k + 1 < n) {
+        mesh.triangles.push_back({a, a + 1, a + n});
+        mesh.triangles.push_back({a + 1, a + n + 1, a + n});
+      }
+    }
+  }
+  const TriMesh coarse = outcome::coarsened(mesh, 1.5e-3);
+  const std::vector<bool> border = outcome::border_vertices(coarse);
+  for (std::size_t p = 0; p < coarse.points.size(); ++p) {
+    const Vec3 mm = 1e3 * coarse.points[p];
+    const double to_rim = std::min({mm[0], mm[2], 60 - mm[0], 60 - mm[2]});
+    EXPECT_FALSE(border[p] && to_rim > 3.0) << mm[0] << " " << mm[2];
+  }
 }
 
 }  // namespace
