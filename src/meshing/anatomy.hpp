@@ -62,6 +62,8 @@ struct RollingBall {
 extern const RollingBall standing_ball;
 /// Farther from the nipple than this, seen from the front, no skin belongs to a standing breast.
 extern const double standing_reach_mm;
+/// Flanks lead over to arms beside a standing trunk.
+inline constexpr double standing_least_saddle = 0.5;
 /// A standing breast hangs from skin well above it, which must be free to follow.
 extern const double standing_above_mm;
 
@@ -71,8 +73,11 @@ struct AnatomyOptions {
   double slab_half_height_mm = 0.0;  ///< 0: from the extent of the breasts
   RollingBall ball{};
   double breast_reach_mm = 1e3;  ///< from the nipple, seen from the front
-  double above_mm = 25.0;        ///< of the model above what clearly stands forward
-  bool wall_is_whole = false;    ///< labels show all of the chest wall, without gaps or noise
+  /// A rise beside a breast is its own where the skin between falls below this share of the lower
+  /// top; 0: whatever is connected is breast.
+  double least_saddle = 0.0;
+  double above_mm = 25.0;      ///< of the model above what clearly stands forward
+  bool wall_is_whole = false;  ///< labels show all of the chest wall, without gaps or noise
 };
 
 /// labels: isotropic, LPS. Throws Error{Input} without chest wall or breasts.

@@ -94,8 +94,8 @@ Rise clear_rise(const ColumnMap& skin, const AnatomyOptions& options) {
 /// every column joins the rise of its higher neighbours. Two rises that meet become one unless the
 /// lower of them stands clearly above the saddle where they meet: an arm beside a breast is its
 /// own.
-std::vector<int> rises_of(const ColumnMap& map, const std::vector<bool>& raised) {
-  constexpr double one_ridge = 0.5;  // height of the saddle, of the lower top's
+std::vector<int> rises_of(const ColumnMap& map, const std::vector<bool>& raised,
+                          double least_saddle) {
   std::vector<std::size_t> order;
   for (std::size_t c = 0; c < raised.size(); ++c) {
     if (raised[c]) {
@@ -123,7 +123,7 @@ std::vector<int> rises_of(const ColumnMap& map, const std::vector<bool>& raised)
       const int here = rise[c] < 0 ? there : root(rise[c]);
       // Numbers grow as tops get lower.
       const auto [high, low] = std::minmax(here, there);
-      if (map.value[c] > one_ridge * top[static_cast<std::size_t>(low)]) {
+      if (map.value[c] > least_saddle * top[static_cast<std::size_t>(low)]) {
         joined[static_cast<std::size_t>(low)] = high;
       }
       rise[c] = rise[c] < 0 ? there : root(high);
@@ -141,16 +141,17 @@ std::vector<int> rises_of(const ColumnMap& map, const std::vector<bool>& raised)
 }
 
 /// The rise that a nipple is on, on its side of the midline.
-void mark_breast(BreastMap& breasts, const Rise& rise, const Vec3& nipple_mm, double midline_x_mm,
+void mark_breast(BreastMap& breasts, const Rise& rise, const AnatomyOptions& options,
                  signed char side) {
   const ColumnMap& map = rise.map;
+  const Vec3& nipple_mm = options.nipple_mm[side < 0 ? 0 : 1];
   std::vector<bool> raised;
   for (std::size_t c = 0; c < map.value.size(); ++c) {
     const std::size_t column = c % static_cast<std::size_t>(map.size[0]);
     const std::size_t row = c / static_cast<std::size_t>(map.size[0]);
     const double x = map.origin_mm[0] + static_cast<double>(column) * map.spacing_mm;
     const double z = map.origin_mm[1] + static_cast<double>(row) * map.spacing_mm;
-    const bool mine = (x > midline_x_mm) == (side > 0) &&
+    const bool mine = (x > options.midline_x_mm) == (side > 0) &&
                       std::hypot(x - nipple_mm[0], z - nipple_mm[2]) <= rise.breast_reach_mm;
     raised.push_back(mine && map.value[c] > footprint_prominence_mm);
   }
@@ -163,7 +164,7 @@ void mark_breast(BreastMap& breasts, const Rise& rise, const Vec3& nipple_mm, do
                             map.value[tip]),
                 "the model needs both breasts, on a prone image or a standing scan");
   }
-  const std::vector<int> rises = rises_of(map, raised);
+  const std::vector<int> rises = rises_of(map, raised, options.least_saddle);
   for (std::size_t c = 0; c < map.value.size(); ++c) {
     if (rises[c] == rises[tip]) {
       breasts.side[c] = side;
@@ -242,8 +243,8 @@ BreastMap map_breasts(const ColumnMap& skin_y, const ColumnMap& chest_y,
   breasts.side.assign(skin.value.size(), 0);
   // The long ball tells where a small breast is, but leaves the chest above and below it, too.
   const Rise rise = clear_rise(skin, options);
-  mark_breast(breasts, rise, options.nipple_mm[0], options.midline_x_mm, -1);
-  mark_breast(breasts, rise, options.nipple_mm[1], options.midline_x_mm, 1);
+  mark_breast(breasts, rise, options, -1);
+  mark_breast(breasts, rise, options, 1);
   std::vector<std::size_t> covered;
   for (std::size_t c = 0; c < breasts.side.size(); ++c) {
     if (breasts.side[c] != 0) {

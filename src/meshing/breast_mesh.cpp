@@ -105,6 +105,7 @@ BreastModel mesh_breasts(const LabelImage& labels, const Image3<float>& fibrogla
                     .slab_half_height_mm = 1e3 * options.slab_half_height_m,
                     .ball = options.standing ? standing_ball : RollingBall{},
                     .breast_reach_mm = options.standing ? standing_reach_mm : 1e3,
+                    .least_saddle = options.standing ? standing_least_saddle : 0.0,
                     .above_mm = options.standing ? standing_above_mm : 25.0,
                     .wall_is_whole = options.standing},
                    ctx.part(0.0, 0.2));

@@ -222,7 +222,8 @@ class Painter {
                                     {.midline_x_mm = 0.0,
                                      .nipple_mm = nipple_mm_,
                                      .ball = meshing::standing_ball,
-                                     .breast_reach_mm = meshing::standing_reach_mm});
+                                     .breast_reach_mm = meshing::standing_reach_mm,
+                                     .least_saddle = meshing::standing_least_saddle});
     const std::array<double, 2> armpit_mm = armpits(front_, nipple_mm_);
     check_arms(armpit_mm, nipple_mm_);
     bound(front_, armpit_mm, breasts_);

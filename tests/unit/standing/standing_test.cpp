@@ -186,7 +186,8 @@ TEST(StandingBody, AnArmThatTheBreastLeadsOverToIsNoBreast) {
         meshing::map_breasts(skin_y, skin_y,
                              {.nipple_mm = {{{-85, 50, 0}, {85, 50, 0}}},
                               .ball = meshing::standing_ball,
-                              .breast_reach_mm = meshing::standing_reach_mm});
+                              .breast_reach_mm = meshing::standing_reach_mm,
+                              .least_saddle = meshing::standing_least_saddle});
     return breasts.side[breasts.base.nearest(x, z)];
   };
   EXPECT_EQ(side_at(85, 0), 1);
