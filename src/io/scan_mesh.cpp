@@ -37,7 +37,7 @@ void check_ply(const fs::path& file, const std::string& name) {
       (what == "vertex" ? vertices : faces) += count;
     }
   }
-  require(faces > 0, "{}: there are no faces in it, only points", name);
+  require(faces > 0, "{}: there are no faces in it; export the surface, not points", name);
   // The least a vertex takes is "0 0 0\n", a face a count and three bytes.
   require(6 * vertices + 4 * faces <= static_cast<double>(text.size()),
           "{}: it is cut short: {} vertices and {} faces do not fit into {} bytes", name, vertices,
@@ -113,7 +113,8 @@ RawScan read_ply_or_stl(const fs::path& file) {
     require(raw.triangles.size() <= most_scan_faces, "{}: more than {} triangles", name,
             most_scan_faces);
   }
-  require(!raw.triangles.empty(), "{}: there are no faces in it", name);
+  require(!raw.triangles.empty(), "{}: there are no faces in it; export the surface, not points",
+          name);
   raw.material.assign(raw.triangles.size(), -1);
   return raw;
 }

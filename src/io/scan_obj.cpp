@@ -157,7 +157,8 @@ class ObjReader {
 
   /// Gives every material its photograph.
   void finish() {
-    require(!scan_.triangles.empty(), "{}: there are no faces in it", name_);
+    require(!scan_.triangles.empty(),
+            "{}: there are no faces in it; export the surface, not points", name_);
     finish_colours();
     std::map<std::string, fs::path> photographs;
     for (const std::string& library : libraries_) {
