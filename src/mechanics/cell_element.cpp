@@ -269,10 +269,11 @@ struct PressureMass {
   std::array<std::array<double, 4>, 4> M{};
 };
 
-/// B = M/kappa + tau (M - m m^T/V) for an affine cell with constant measure V.
+/// B = M/kappa + tau (M - m m^T/V) for an affine cell with constant measure V. Linear cells are too
+/// stiff in shear, and 2/mu makes up for a part of it by their volume; smoothing domains need half.
 PressureMass affine_pressure_block(const Tissue& tissue, double share, double V) {
   PressureMass block;
-  const double tau = 2.0 / stabilising_shear(tissue);
+  const double tau = (1.0 + share) / stabilising_shear(tissue);
   for (std::size_t a = 0; a < 4; ++a) {
     for (std::size_t b = 0; b < 4; ++b) {
       const double mass = V / 20.0 * (a == b ? 2.0 : 1.0);
