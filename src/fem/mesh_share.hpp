@@ -20,8 +20,8 @@ class MeshShare {
   MeshShare(const MeshShare&) = delete;
   MeshShare& operator=(const MeshShare&) = delete;
 
-  /// Own vertices, so many layers of cells around them, and what these cells need. All names are kept; a
-  /// named point that is not an own vertex of this process has vertex -1.
+  /// Own vertices, so many layers of cells around them, and what these cells need. All names are
+  /// kept; a named point that is not an own vertex of this process has vertex -1.
   [[nodiscard]] const TetMesh& mesh() const;
   /// Numbers in the whole mesh, per local vertex and per local cell.
   [[nodiscard]] const std::vector<int>& vertex() const;
