@@ -39,6 +39,7 @@ struct SparseSystem::Impl {
   std::vector<int> row_of_node;
   std::vector<double> sum;
   BlockMatrix matrix;
+  std::unique_ptr<BlockMatrix> narrow;
   CoarseSpace coarse;
   bool factors_stale = true;
   int fill = 0;  ///< levels of fill of the incomplete factors
@@ -48,11 +49,13 @@ struct SparseSystem::Impl {
   KSP two_level = nullptr, direct = nullptr;
 
   Impl(const Layout& l, const ElementList& elements, std::span<const std::uint8_t> held,
-       std::span<const Vec3> positions);
+       std::span<const Vec3> positions, std::optional<int> narrow_elements);
   ~Impl();
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
+  /// What the preconditioner is made of.
+  BlockMatrix& preconditioned() { return narrow ? *narrow : matrix; }
   void make_vectors();
   void make_two_level_solver();
   void make_direct_solver();
@@ -65,7 +68,8 @@ struct SparseSystem::Impl {
 };
 
 SparseSystem::Impl::Impl(const Layout& l, const ElementList& elements,
-                         std::span<const std::uint8_t> held, std::span<const Vec3> positions)
+                         std::span<const std::uint8_t> held, std::span<const Vec3> positions,
+                         std::optional<int> narrow_elements)
     : layout(l),
       offset(elements.offset),
       nodes(elements.nodes),
@@ -73,8 +77,12 @@ SparseSystem::Impl::Impl(const Layout& l, const ElementList& elements,
       node_of_row(static_cast<std::size_t>(l.own())),
       row_of_node(l.global.size(), -1),
       sum(block * l.global.size()),
-      matrix(layout, elements, held),
-      coarse(layout, matrix, held, positions) {
+      matrix(layout, elements, elements.size(), held,
+             narrow_elements ? Beside::None : Beside::Kept),
+      narrow(narrow_elements ? std::make_unique<BlockMatrix>(layout, elements, *narrow_elements,
+                                                             held, Beside::None)
+                             : nullptr),
+      coarse(layout, preconditioned(), held, positions) {
   for (std::size_t n = 0; n < l.global.size(); ++n) {
     if (l.owns(static_cast<int>(n))) {
       row_of_node[n] = l.global[n] - l.own_begin;
@@ -189,10 +197,10 @@ void SparseSystem::Impl::prepare_levels(int levels_of_fill) {
   check(KSPGetPC(two_level, &pc), "getting the preconditioner");
   check(PCMGGetSmoother(pc, 1, &smoother), "getting the smoother");
   check(PCMGGetCoarseSolve(pc, &bottom), "getting the coarse solver");
-  const Mat factored = matrix.for_factors();
-  check(
-      KSPSetOperators(smoother, smoothed == Smoothed::System ? matrix.petsc() : factored, factored),
-      "setting the matrix");
+  const Mat factored = preconditioned().for_factors();
+  check(KSPSetOperators(
+            smoother, smoothed == Smoothed::System ? preconditioned().petsc() : factored, factored),
+        "setting the matrix");
   coarse.update();
   check(KSPSetOperators(bottom, coarse.matrix(), coarse.matrix()), "setting the coarse matrix");
   check(KSPSetOperators(two_level, matrix.petsc(), matrix.petsc()), "setting the matrix");
@@ -247,8 +255,9 @@ void SparseSystem::Impl::solve_directly(double relative_tolerance, LinearReport&
 }
 
 SparseSystem::SparseSystem(const Layout& layout, const ElementList& elements,
-                           std::span<const std::uint8_t> fixed, std::span<const Vec3> positions)
-    : impl_(std::make_unique<Impl>(layout, elements, fixed, positions)) {}
+                           std::span<const std::uint8_t> fixed, std::span<const Vec3> positions,
+                           std::optional<int> narrow)
+    : impl_(std::make_unique<Impl>(layout, elements, fixed, positions, narrow)) {}
 
 SparseSystem::~SparseSystem() = default;
 
@@ -256,6 +265,9 @@ void SparseSystem::clear(bool with_matrix) {
   std::ranges::fill(impl_->sum, 0.0);
   if (with_matrix) {
     impl_->matrix.clear();
+    if (impl_->narrow) {
+      impl_->narrow->clear();
+    }
   }
 }
 
@@ -290,17 +302,25 @@ void SparseSystem::add(int element, int pressures, std::span<const double> vecto
 
 void SparseSystem::add_for_factors(int element, int pressures, std::span<const double> matrix,
                                    RowPart part) {
-  impl_->matrix.add_for_factors(element, pressures, matrix, part);
+  if (impl_->narrow) {
+    impl_->narrow->add(element, pressures, matrix, part);
+  } else {
+    impl_->matrix.add_for_factors(element, pressures, matrix, part);
+  }
 }
 
 void SparseSystem::add_for_factors(std::span<const double> pressure_diagonal) {
   for (std::size_t r = 0; r < impl_->node_of_row.size(); ++r) {
-    impl_->matrix.add_for_factors(static_cast<int>(r), pressure_diagonal[impl_->node_of_row[r]]);
+    impl_->preconditioned().add_for_factors(static_cast<int>(r),
+                                            pressure_diagonal[impl_->node_of_row[r]]);
   }
 }
 
 void SparseSystem::finish_matrix() {
   impl_->matrix.finish();
+  if (impl_->narrow) {
+    impl_->narrow->finish();
+  }
 }
 
 const std::vector<double>& SparseSystem::vector() const {
