@@ -63,7 +63,7 @@ void DiscreteBody::add_for_factors(int e, const State& state, Tissue tissue,
   system_->add_for_factors(e, 4, stiff.matrix, rows);
 }
 
-/// Computes and adds one smoothing domain. Its det F.
+/// Computes and adds one smoothing domain. Its det F, infinite where it is empty.
 double DiscreteBody::add_domain(int e, const State& state, Buffer& to, fem::RowPart rows) {
   const int domain = domains_[index(e) - cells_.size() - faces_.size()];
   const auto nodes = smoothing_.nodes(domain);
@@ -84,6 +84,9 @@ double DiscreteBody::add_domain(int e, const State& state, Buffer& to, fem::RowP
       cells[count++] = {smoothing_.corners(domain)[c],
                         &body_.tissue[index(smoothing_.cells(domain)[c])]};
     }
+  }
+  if (count == 0) {
+    return std::numeric_limits<double>::infinity();
   }
   const auto vector = std::span(to.vector).first(4 * n);
   const auto matrix = std::span(to.matrix).first(to.matrix.empty() ? 0 : 16 * n * n);

@@ -10,9 +10,10 @@ std::size_t index(int i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Of the stiffest cell's shear modulus; gland is four times as stiff as fat, a fresh wound a
-/// hundred times softer than either.
+/// Of the stiffest cell's shear modulus; gland is four times as stiff as fat.
 constexpr double much_softer = 0.1;
+/// Of whole tissue's; a fresh wound has a hundredth, for about a fortnight less than this.
+constexpr double whole_integrity = 0.5;
 
 template <class T>
 std::span<const T> part(const std::vector<T>& of, const std::vector<int>& first, int i) {
@@ -82,7 +83,8 @@ void SmoothingDomains::leave_out_soft(std::span<const Tissue> tissue) {
     }
     for (int i = first_cell_[index(d)]; i < first_cell_[index(d) + 1]; ++i) {
       const int c = cell_[index(i)];
-      inside_[index(i)] = shear(c) >= much_softer * stiffest ? 1 : 0;
+      const bool is_whole = tissue[index(c)].integrity >= whole_integrity;
+      inside_[index(i)] = is_whole && shear(c) >= much_softer * stiffest ? 1 : 0;
       times_left_out_[index(c)] += inside_[index(i)] != 0 ? 0 : 1;
     }
   }

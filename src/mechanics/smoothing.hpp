@@ -22,8 +22,9 @@ class SmoothingDomains {
   /// Per cell of the domain its corners, counted among the domain's nodes.
   [[nodiscard]] std::span<const std::array<int, 4>> corners(int domain) const;
 
-  /// Cells much softer than the stiffest around an edge (a fresh wound beside tissue) stay out of
-  /// that edge's domain: strain jumps at their wall, and a mean would hide it.
+  /// Cells much softer than the stiffest around an edge stay out of that edge's domain: strain
+  /// jumps at their wall, and a mean would hide it. Wounded cells stay out of every domain: without
+  /// their own bulk modulus hardly anything would hold them.
   void leave_out_soft(std::span<const Tissue> tissue);
   [[nodiscard]] std::span<const std::uint8_t> inside(int domain) const;
   /// Of a cell's volume, the share that lies in no domain.

@@ -51,7 +51,7 @@ TEST_F(SomeDomains, OfUniformTissueHoldAllOfIt) {
   }
 }
 
-TEST_F(SomeDomains, LeaveAFreshWoundToItselfAtItsWallOnly) {
+TEST_F(SomeDomains, LeaveAFreshWoundToItself) {
   const std::size_t soft = mesh.cells.size() / 2;
   tissue[soft].integrity = 0.01;
   domains.leave_out_soft(tissue);
@@ -60,11 +60,23 @@ TEST_F(SomeDomains, LeaveAFreshWoundToItselfAtItsWallOnly) {
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     EXPECT_EQ(domains.left_out(static_cast<int>(c)), c == soft ? 1.0 : 0.0);
   }
+}
+
+TEST_F(SomeDomains, LeaveMuchSofterTissueToItselfAtItsWallOnly) {
+  const std::size_t soft = mesh.cells.size() / 2;
   for (Tissue& t : tissue) {
-    t.integrity = 0.01;  // all alike again
+    t.c1 = t.c2 = 5.0;
   }
   domains.leave_out_soft(tissue);
   EXPECT_EQ(domains.left_out(static_cast<int>(soft)), 0.0);
+  tissue[soft == 0 ? 1 : 0].c1 = 200.0;  // one stiff cell: what shares an edge with it keeps a part
+  domains.leave_out_soft(tissue);
+  double kept = 0.0;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    EXPECT_LT(domains.left_out(static_cast<int>(c)), 1.0);
+    kept += domains.left_out(static_cast<int>(c));
+  }
+  EXPECT_GT(kept, 0.0);
 }
 
 }  // namespace
