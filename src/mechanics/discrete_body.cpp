@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include <mpi.h>
-#include <omp.h>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "fem/mesh_share.hpp"
 #include "fem/session.hpp"
 #include "mechanics/dead_loads.hpp"
@@ -147,7 +147,7 @@ void DiscreteBody::list_elements() {
 /// and sums that do not depend on the number of threads. The elements between two parts are
 /// computed twice.
 void DiscreteBody::list_parts() {
-  parts_.resize(static_cast<std::size_t>(omp_get_max_threads()));
+  parts_.resize(index(threads()));
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     Part& part = parts_[p];
     part.rows = system_->part(static_cast<int>(p), static_cast<int>(parts_.size()));
@@ -337,10 +337,10 @@ template <std::size_t CellNodes, std::size_t FaceNodes>
 bool DiscreteBody::evaluate(const State& state, bool with_matrix, bool at_rest) {
   system_->clear(with_matrix);
   std::vector<Worst> worst(parts_.size());
-#pragma omp parallel for schedule(static, 1)
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    worst[p] = evaluate_part<CellNodes, FaceNodes>(parts_[p], state, with_matrix, at_rest);
-  }
+  side_by_side(static_cast<int>(parts_.size()), [&](int p) {
+    worst[index(p)] =
+        evaluate_part<CellNodes, FaceNodes>(parts_[index(p)], state, with_matrix, at_rest);
+  });
   worst_ = *std::ranges::min_element(worst, {}, &Worst::J);
   const struct {
     double J;
