@@ -53,6 +53,23 @@ std::optional<recovery::Checkpoint> found_checkpoint(const StageInput& in, const
   return c;
 }
 
+/// The shape of that day in the last good result, of another plan most likely, with the pressures
+/// of the body before surgery, since frames have none. Where the mesh has changed it is not near,
+/// and is not taken. Collective.
+std::optional<mechanics::Shape> last_shape(const StageInput& in, const ModelShare& model,
+                                           const mechanics::Shape& before, double t_day) {
+  const fs::path file = in.from(Stage::Heal) / "frames" / (frame_name(t_day) + ".bin");
+  mechanics::Shape last;
+  if (in.writes && !in.anew && fs::exists(file)) {
+    last = {load_frame(file).points, before.pressure};
+  }
+  const bool fits = in.writes && last.nodes.size() == before.nodes.size();
+  if (fem::largest(fits ? 1.0 : 0.0) == 0.0) {
+    return std::nullopt;
+  }
+  return model.distribute(last);
+}
+
 /// Writes frames and checkpoints; a frame comes before its checkpoint, so that a resumed run has
 /// every frame. Frames are written on the side: compressing them takes a tenth of healing.
 /// Collective.
@@ -185,6 +202,9 @@ StageNotes run_heal(const StageInput& in) {
   problem.start = supine;
   problem.species_points = vertices(*body.mesh, supine);
   problem.wound_fraction = model.distribute_cells(wound_fraction, 1);
+  problem.hint = [&](double t_day) {
+    return last_shape(in, model, before, t_day);
+  };
   const auto resume = found_checkpoint(in, model, static_cast<int>(biology->species().size()));
   if (resume) {
     in.ctx.at(0.0, "resuming from a checkpoint");

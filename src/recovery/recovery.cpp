@@ -123,10 +123,10 @@ std::vector<mechanics::Tissue> Recovery::tissue_now(bool traction) const {
                         wound);
 }
 
-/// Equilibrium with the tissue of the moment. It starts from the last one, from the prediction or
-/// from the body before surgery, whichever is nearest to it: a wound of some days is closer to
-/// healthy tissue than to a fresh one, in which tissue flows. `density`: the mean cell density for
-/// which it is.
+/// Equilibrium with the tissue of the moment. It starts from the last one, from the prediction,
+/// from the body before surgery or from the hint, whichever is nearest to it: a wound of some days
+/// is closer to healthy tissue than to a fresh one, in which tissue flows. `density`: the mean cell
+/// density for which it is.
 void Recovery::solve_mechanics(bool traction, double density, double tolerance,
                                const Context& ctx) {
   solver_.set_tissue(tissue_now(traction));
@@ -134,9 +134,13 @@ void Recovery::solve_mechanics(bool traction, double density, double tolerance,
   const double start = now_s();
   const std::optional<mechanics::Shape> continued = predicted(density);
   const mechanics::Shape* guess = &shape_;
+  const std::optional<mechanics::Shape> hint =
+      problem_.hint ? problem_.hint(species_.time_s() / day_s) : std::nullopt;
   std::vector<const mechanics::Shape*> others;
-  if (continued) {
-    others.push_back(&*continued);
+  for (const auto& maybe : {&continued, &hint}) {
+    if (maybe->has_value()) {
+      others.push_back(&**maybe);
+    }
   }
   if (!result_.history.empty()) {  // day 0 starts there
     others.push_back(&problem_.start);
