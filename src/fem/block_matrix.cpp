@@ -20,13 +20,13 @@ struct Pattern {
   std::vector<PetscInt> begin{0}, column;
 };
 
-Pattern pattern_of(const Layout& layout, const ElementList& elements,
+Pattern pattern_of(const Layout& layout, const ElementList& elements, int count,
                    const std::vector<int>& row_of_node) {
   std::vector<std::vector<PetscInt>> rows(index(layout.own()));
   for (int g = layout.own_begin; g < layout.own_end; ++g) {
     rows[index(g - layout.own_begin)].push_back(g);  // a node without elements keeps its diagonal
   }
-  for (int e = 0; e < elements.size(); ++e) {
+  for (int e = 0; e < count; ++e) {
     const auto nodes = elements.of(e);
     for (const int a : nodes) {
       if (const int row = row_of_node[index(a)]; row >= 0) {
@@ -89,8 +89,8 @@ PetscInt BlockRows::find(int row, PetscInt wanted) const {
   return at != last && *at == wanted ? static_cast<PetscInt>(at - column) : -1;
 }
 
-BlockMatrix::BlockMatrix(const Layout& layout, const ElementList& elements,
-                         std::span<const std::uint8_t> fixed)
+BlockMatrix::BlockMatrix(const Layout& layout, const ElementList& elements, int count,
+                         std::span<const std::uint8_t> fixed, Beside beside)
     : layout_(layout),
       offset_(elements.offset),
       nodes_(elements.nodes),
@@ -101,8 +101,8 @@ BlockMatrix::BlockMatrix(const Layout& layout, const ElementList& elements,
       row_of_node_[n] = layout.global[n] - layout.own_begin;
     }
   }
-  make_pattern(elements);
-  list_slots(elements);
+  make_pattern(elements, count, beside);
+  list_slots(elements, count);
 }
 
 BlockMatrix::~BlockMatrix() {
@@ -110,8 +110,8 @@ BlockMatrix::~BlockMatrix() {
   close(beside_);
 }
 
-void BlockMatrix::make_pattern(const ElementList& elements) {
-  const Pattern pattern = pattern_of(layout_, elements, row_of_node_);
+void BlockMatrix::make_pattern(const ElementList& elements, int count, Beside beside) {
+  const Pattern pattern = pattern_of(layout_, elements, count, row_of_node_);
   const PetscInt own = block * layout_.own();
   const PetscInt all = block * layout_.total;
   Mat& matrix = system_.matrix;
@@ -132,9 +132,11 @@ void BlockMatrix::make_pattern(const ElementList& elements) {
     check(MatGetSize(outside, nullptr, &width), "reading the matrix");
     remote_columns_.assign(columns, columns + width / block);
   }
-  check(MatDuplicate(matrix, MAT_DO_NOT_COPY_VALUES, &beside_.matrix), "copying the matrix");
   open(system_);
-  open(beside_);
+  if (beside == Beside::Kept) {
+    check(MatDuplicate(matrix, MAT_DO_NOT_COPY_VALUES, &beside_.matrix), "copying the matrix");
+    open(beside_);
+  }
 }
 
 void BlockMatrix::open(BlockValues& values) {
@@ -175,13 +177,13 @@ void BlockMatrix::close(BlockValues& values) {
   MatDestroy(&values.matrix);
 }
 
-void BlockMatrix::list_slots(const ElementList& elements) {
+void BlockMatrix::list_slots(const ElementList& elements, int count) {
   diagonal_.resize(index(layout_.own()));
   for (int r = 0; r < layout_.own(); ++r) {
     diagonal_[index(r)] = system_.local.find(r, r);
   }
-  first_slot_.reserve(index(elements.size()) + 1);
-  for (int e = 0; e < elements.size(); ++e) {
+  first_slot_.reserve(index(count));
+  for (int e = 0; e < count; ++e) {
     first_slot_.push_back(slots_.size());
     for (const int a : elements.of(e)) {
       const int row = row_of_node_[index(a)];
@@ -256,12 +258,15 @@ void BlockMatrix::add(BlockValues& to_values, int element, int pressures,
 }
 
 void BlockMatrix::add_for_factors(int row, double value) {
-  beside_.local.values[16 * diagonal_[index(row)] + 15] += value;
+  BlockValues& to = beside_.matrix != nullptr ? beside_ : system_;
+  to.local.values[16 * diagonal_[index(row)] + 15] += value;
 }
 
 void BlockMatrix::finish() {
   finish(system_, 1.0);
-  finish(beside_, 0.0);
+  if (beside_.matrix != nullptr) {
+    finish(beside_, 0.0);
+  }
 }
 
 void BlockMatrix::finish(BlockValues& values, double held_diagonal) {
@@ -289,6 +294,9 @@ void BlockMatrix::finish(BlockValues& values, double held_diagonal) {
 }
 
 Mat BlockMatrix::for_factors() {
+  if (beside_.matrix == nullptr) {
+    return system_.matrix;
+  }
   if (!summed_) {
     check(MatAXPY(beside_.matrix, 1.0, system_.matrix, SAME_NONZERO_PATTERN), "adding matrices");
     summed_ = true;

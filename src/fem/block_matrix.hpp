@@ -28,12 +28,15 @@ struct BlockValues {
   BlockRows local, remote;
 };
 
-/// Holds two sets of values: the system, and what is added to it in the matrix that incomplete
-/// factors are made of.
+/// A second set of values in the same pattern, for the matrix that incomplete factors are made of.
+enum class Beside { None, Kept };
+
+/// Holds the values of the system and, if wanted, what is added to it for the factors.
 class BlockMatrix {
  public:
-  BlockMatrix(const Layout& layout, const ElementList& elements,
-              std::span<const std::uint8_t> fixed);
+  /// From the first `count` elements.
+  BlockMatrix(const Layout& layout, const ElementList& elements, int count,
+              std::span<const std::uint8_t> fixed, Beside beside);
   ~BlockMatrix();
   BlockMatrix(const BlockMatrix&) = delete;
   BlockMatrix& operator=(const BlockMatrix&) = delete;
@@ -46,14 +49,17 @@ class BlockMatrix {
   void add_for_factors(int element, int pressures, std::span<const double> values, RowPart part) {
     add(beside_, element, pressures, values, part);
   }
-  /// The same on the pressure's diagonal entry of an owned row.
+  /// The same on the pressure's diagonal entry of an owned row; to the system where nothing is kept
+  /// beside it.
   void add_for_factors(int row, double value);
   /// Unit diagonal for fixed unknowns; tells PETSc that values changed.
   void finish();
   /// The system and what was added for the factors, summed when first asked for after finish.
   [[nodiscard]] Mat for_factors();
   /// Its blocks with columns of this rank.
-  [[nodiscard]] const BlockRows& local_for_factors() const { return beside_.local; }
+  [[nodiscard]] const BlockRows& local_for_factors() const {
+    return beside_.matrix != nullptr ? beside_.local : system_.local;
+  }
   /// Columns of `local` are owned nodes counted from own_begin; columns of `remote` index
   /// remote_columns.
   [[nodiscard]] const BlockRows& local() const { return system_.local; }
@@ -61,7 +67,7 @@ class BlockMatrix {
   [[nodiscard]] const std::vector<PetscInt>& remote_columns() const { return remote_columns_; }
 
  private:
-  void make_pattern(const ElementList& elements);
+  void make_pattern(const ElementList& elements, int count, Beside beside);
   void open(BlockValues& values);
   void open(Mat part, BlockRows& rows);
   static void close(BlockValues& values);
@@ -69,7 +75,7 @@ class BlockMatrix {
   void add(BlockValues& to, int element, int pressures, std::span<const double> values,
            RowPart part);
   void finish(BlockValues& values, double held_diagonal);
-  void list_slots(const ElementList& elements);
+  void list_slots(const ElementList& elements, int count);
   /// A block with fixed unknowns: bits of the rows and columns that do not count.
   struct HeldBlock {
     int slot;

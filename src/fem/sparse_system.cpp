@@ -41,6 +41,7 @@ struct SparseSystem::Impl {
   std::vector<int> row_of_node;
   std::vector<double> sum;
   BlockMatrix matrix;
+  std::unique_ptr<BlockMatrix> narrow;
   BlockFactors factors;
   CoarseSpace coarse;
   bool factors_stale = true;
@@ -51,11 +52,13 @@ struct SparseSystem::Impl {
   KSP two_level = nullptr, direct = nullptr;
 
   Impl(const Layout& l, const ElementList& elements, std::span<const std::uint8_t> held,
-       std::span<const Vec3> positions);
+       std::span<const Vec3> positions, std::optional<int> narrow_elements);
   ~Impl();
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
+  /// What the preconditioner is made of.
+  BlockMatrix& preconditioned() { return narrow ? *narrow : matrix; }
   void make_vectors();
   void make_two_level_solver();
   void make_direct_solver();
@@ -68,7 +71,8 @@ struct SparseSystem::Impl {
 };
 
 SparseSystem::Impl::Impl(const Layout& l, const ElementList& elements,
-                         std::span<const std::uint8_t> held, std::span<const Vec3> positions)
+                         std::span<const std::uint8_t> held, std::span<const Vec3> positions,
+                         std::optional<int> narrow_elements)
     : layout(l),
       offset(elements.offset),
       nodes(elements.nodes),
@@ -76,9 +80,13 @@ SparseSystem::Impl::Impl(const Layout& l, const ElementList& elements,
       node_of_row(static_cast<std::size_t>(l.own())),
       row_of_node(l.global.size(), -1),
       sum(block * l.global.size()),
-      matrix(layout, elements, held),
-      factors(matrix.local(), layout.own()),
-      coarse(layout, matrix, held, positions) {
+      matrix(layout, elements, elements.size(), held,
+             narrow_elements ? Beside::None : Beside::Kept),
+      narrow(narrow_elements ? std::make_unique<BlockMatrix>(layout, elements, *narrow_elements,
+                                                             held, Beside::None)
+                             : nullptr),
+      factors(preconditioned().local(), layout.own()),
+      coarse(layout, preconditioned(), held, positions) {
   for (std::size_t n = 0; n < l.global.size(); ++n) {
     if (l.owns(static_cast<int>(n))) {
       row_of_node[n] = l.global[n] - l.own_begin;
@@ -202,15 +210,15 @@ bool SparseSystem::Impl::prepare_levels(int levels_of_fill) {
   PC pc = nullptr;
   KSP smoother = nullptr;
   KSP bottom = nullptr;
-  const Mat factored = matrix.for_factors();
-  const bool whole = factors.update(matrix.local_for_factors(), levels_of_fill);
+  const Mat factored = preconditioned().for_factors();
+  const bool whole = factors.update(preconditioned().local_for_factors(), levels_of_fill);
   if (largest(whole ? 0.0 : 1.0) > 0.0) {
     return false;
   }
   check(KSPGetPC(two_level, &pc), "getting the preconditioner");
   check(PCMGGetSmoother(pc, 1, &smoother), "getting the smoother");
   check(PCMGGetCoarseSolve(pc, &bottom), "getting the coarse solver");
-  const Mat seen = smoothed == Smoothed::System ? matrix.petsc() : factored;
+  const Mat seen = smoothed == Smoothed::System ? preconditioned().petsc() : factored;
   check(KSPSetOperators(smoother, seen, seen), "setting the matrix");
   coarse.update();
   check(KSPSetOperators(bottom, coarse.matrix(), coarse.matrix()), "setting the coarse matrix");
@@ -260,8 +268,9 @@ void SparseSystem::Impl::solve_directly(double relative_tolerance, LinearReport&
 }
 
 SparseSystem::SparseSystem(const Layout& layout, const ElementList& elements,
-                           std::span<const std::uint8_t> fixed, std::span<const Vec3> positions)
-    : impl_(std::make_unique<Impl>(layout, elements, fixed, positions)) {}
+                           std::span<const std::uint8_t> fixed, std::span<const Vec3> positions,
+                           std::optional<int> narrow)
+    : impl_(std::make_unique<Impl>(layout, elements, fixed, positions, narrow)) {}
 
 SparseSystem::~SparseSystem() = default;
 
@@ -269,6 +278,9 @@ void SparseSystem::clear(bool with_matrix) {
   std::ranges::fill(impl_->sum, 0.0);
   if (with_matrix) {
     impl_->matrix.clear();
+    if (impl_->narrow) {
+      impl_->narrow->clear();
+    }
   }
 }
 
@@ -303,17 +315,25 @@ void SparseSystem::add(int element, int pressures, std::span<const double> vecto
 
 void SparseSystem::add_for_factors(int element, int pressures, std::span<const double> matrix,
                                    RowPart part) {
-  impl_->matrix.add_for_factors(element, pressures, matrix, part);
+  if (impl_->narrow) {
+    impl_->narrow->add(element, pressures, matrix, part);
+  } else {
+    impl_->matrix.add_for_factors(element, pressures, matrix, part);
+  }
 }
 
 void SparseSystem::add_for_factors(std::span<const double> pressure_diagonal) {
   for (std::size_t r = 0; r < impl_->node_of_row.size(); ++r) {
-    impl_->matrix.add_for_factors(static_cast<int>(r), pressure_diagonal[impl_->node_of_row[r]]);
+    impl_->preconditioned().add_for_factors(static_cast<int>(r),
+                                            pressure_diagonal[impl_->node_of_row[r]]);
   }
 }
 
 void SparseSystem::finish_matrix() {
   impl_->matrix.finish();
+  if (impl_->narrow) {
+    impl_->narrow->finish();
+  }
 }
 
 const std::vector<double>& SparseSystem::vector() const {

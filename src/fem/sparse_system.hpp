@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,8 +48,11 @@ class SparseSystem {
   /// elements: every element that touches an owned node, so that assembly needs no messages.
   /// fixed: per node, bit i holds unknown i: unit diagonal, zero residual. Positions [m] shape the
   /// coarse space. All calls that speak of a matrix or of solving are collective.
+  /// narrow: given, the preconditioner is that of another system of so many of the first elements,
+  /// with fewer neighbours, that is close to this one; it consists of what is added for it.
   SparseSystem(const Layout& layout, const ElementList& elements,
-               std::span<const std::uint8_t> fixed, std::span<const Vec3> positions);
+               std::span<const std::uint8_t> fixed, std::span<const Vec3> positions,
+               std::optional<int> narrow = {});
   ~SparseSystem();
   SparseSystem(const SparseSystem&) = delete;
   SparseSystem& operator=(const SparseSystem&) = delete;
@@ -61,8 +65,9 @@ class SparseSystem {
   /// pressures of the first `pressures` nodes. matrix: row-major, or empty.
   void add(int element, int pressures, std::span<const double> vector,
            std::span<const double> matrix, RowPart part);
-  /// Adds to the matrix of which incomplete factors are made, and not to the system: the rows of
-  /// one element as above, or per node an entry of the pressure's diagonal.
+  /// Adds to the matrix of which incomplete factors are made, beside the system's values or, where
+  /// there is a narrow system, alone: the rows of one element as above, or per node an entry of the
+  /// pressure's diagonal.
   void add_for_factors(int element, int pressures, std::span<const double> matrix, RowPart part);
   void add_for_factors(std::span<const double> pressure_diagonal);
   /// After the last add.

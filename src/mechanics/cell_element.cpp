@@ -54,7 +54,7 @@ Point<Nodes> make_point(const CellInput& in, const QuadraturePoint<4>& q) {
     }
   }
   for (std::size_t v = 0; v < 4; ++v) {
-    point.p += q.lambda[v] * (in.pressure[v] - in.tissue.active_stress);
+    point.p += in.share * q.lambda[v] * (in.pressure[v] - in.tissue.active_stress);
   }
   return point;
 }
@@ -96,14 +96,39 @@ double own_bulk(const Tissue& t) {
   return Nodes == 4 ? own_bulk_modulus(t) : 0.0;
 }
 
+/// A cell whose volume smoothing domains conserve answers with none of it, or it would be as stiff
+/// as without them; but when it has lost this share of its volume, or gained as much, it resists,
+/// because nothing else keeps single cells at held edges from turning inside out.
+constexpr double free_volume = 0.7;
+
 /// gamma/2 (J - 1/J) and its derivative: gamma (J - 1) near rest, without bound towards J = 0.
 struct OwnPressure {
   double p, dp_dJ;
 };
 template <std::size_t Nodes>
-OwnPressure own_pressure(const Tissue& t, double J) {
-  const double half = 0.5 * own_bulk<Nodes>(t);
-  return {half * (J - 1.0 / J), half * (1.0 + 1.0 / (J * J))};
+OwnPressure own_pressure(const CellInput& in, double J) {
+  const double own = own_bulk<Nodes>(in.tissue);
+  const double half = 0.5 * in.share * own;
+  OwnPressure at{half * (J - 1.0 / J), half * (1.0 + 1.0 / (J * J))};
+  const double barrier = (1.0 - in.share) * own;
+  const double lost = free_volume / J - 1.0;
+  const double gained = free_volume * J - 1.0;
+  if (lost > 0.0) {
+    at.p -= barrier * lost * lost;
+    at.dp_dJ += barrier * 2.0 * lost * free_volume / (J * J);
+  } else if (gained > 0.0) {
+    at.p += barrier * gained * gained;
+    at.dp_dJ += barrier * 2.0 * gained * free_volume;
+  }
+  return at;
+}
+
+/// What of the tissue's stress the cell answers for.
+Tissue own_tissue(const CellInput& in) {
+  Tissue own = in.tissue;
+  own.integrity *= in.share;
+  own.active_stress *= in.share;
+  return own;
 }
 
 /// Reference shape known: F = H. Returns det F.
@@ -113,8 +138,9 @@ double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Node
   if (!(J > 0.0)) {
     return J;
   }
-  const OwnPressure own = own_pressure<Nodes>(in.tissue, J);
-  const StressPoint s = stress(in.tissue, at.H, at.p + own.p);
+  const OwnPressure own = own_pressure<Nodes>(in, J);
+  const Tissue tissue = own_tissue(in);
+  const StressPoint s = stress(tissue, at.H, at.p + own.p);
   const double w = at.volume;
   const Mat3 cofactor = {J * s.F_inv_t[0], J * s.F_inv_t[1], J * s.F_inv_t[2]};
   for (std::size_t a = 0; a < Nodes; ++a) {
@@ -124,17 +150,17 @@ double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Node
     }
   }
   for (std::size_t q = 0; q < 4; ++q) {
-    out.residual[3 * Nodes + q] += w * at.Np[q] * (J - 1.0 + in.tissue.shrinkage);
+    out.residual[3 * Nodes + q] += in.share * w * at.Np[q] * (J - 1.0 + in.tissue.shrinkage);
   }
   if (!out.wants_matrix()) {
     return J;
   }
   Tangent9 A{};
-  stress_tangent(in.tissue, at.H, at.p + own.p, own.dp_dJ, s, A);
+  stress_tangent(tissue, at.H, at.p + own.p, own.dp_dJ, s, A);
   add_stiffness(at, w, A, out);
   for (std::size_t a = 0; a < Nodes; ++a) {
     for (std::size_t i = 0; i < 3; ++i) {
-      const double c = w * dot(cofactor[i], at.G[a]);
+      const double c = in.share * w * dot(cofactor[i], at.G[a]);
       for (std::size_t q = 0; q < 4; ++q) {
         out.K(3 * a + i, 3 * Nodes + q) += c * at.Np[q];
         out.K(3 * Nodes + q, 3 * a + i) += c * at.Np[q];
@@ -187,8 +213,9 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
     return j;
   }
   const Mat3 F = inverse(at.H);
-  const OwnPressure own = own_pressure<Nodes>(in.tissue, 1.0 / j);
-  const StressPoint s = stress(in.tissue, F, at.p + own.p);
+  const OwnPressure own = own_pressure<Nodes>(in, 1.0 / j);
+  const Tissue tissue = own_tissue(in);
+  const StressPoint s = stress(tissue, F, at.p + own.p);
   Mat3 sigma{};
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -205,12 +232,12 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
     }
   }
   for (std::size_t q = 0; q < 4; ++q) {
-    out.residual[3 * Nodes + q] += w * at.Np[q] * (1.0 - rest * j);
+    out.residual[3 * Nodes + q] += in.share * w * at.Np[q] * (1.0 - rest * j);
   }
   if (!out.wants_matrix()) {
     return s.J;
   }
-  add_stiffness(at, w, inverse_tangent(in.tissue, F, {at.p + own.p, own.dp_dJ}, s, sigma), out);
+  add_stiffness(at, w, inverse_tangent(tissue, F, {at.p + own.p, own.dp_dJ}, s, sigma), out);
   for (std::size_t b = 0; b < Nodes; ++b) {
     for (std::size_t K = 0; K < 3; ++K) {
       const Vec3 column{F[0][K], F[1][K], F[2][K]};
@@ -221,14 +248,14 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
         }
       }
       for (std::size_t q = 0; q < 4; ++q) {
-        out.K(3 * Nodes + q, 3 * b + K) -= dj * rest * at.Np[q];
+        out.K(3 * Nodes + q, 3 * b + K) -= in.share * dj * rest * at.Np[q];
       }
     }
   }
   for (std::size_t a = 0; a < Nodes; ++a) {
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t q = 0; q < 4; ++q) {
-        out.K(3 * a + i, 3 * Nodes + q) += w * at.G[a][i] * at.Np[q];
+        out.K(3 * a + i, 3 * Nodes + q) += in.share * w * at.G[a][i] * at.Np[q];
       }
     }
   }
@@ -243,13 +270,13 @@ struct PressureMass {
 };
 
 /// B = M/kappa + tau (M - m m^T/V) for an affine cell with constant measure V.
-PressureMass affine_pressure_block(const Tissue& tissue, double V) {
+PressureMass affine_pressure_block(const Tissue& tissue, double share, double V) {
   PressureMass block;
   const double tau = 2.0 / stabilising_shear(tissue);
   for (std::size_t a = 0; a < 4; ++a) {
     for (std::size_t b = 0; b < 4; ++b) {
       const double mass = V / 20.0 * (a == b ? 2.0 : 1.0);
-      block.M[a][b] = mass / (tissue.kappa - own_bulk<4>(tissue)) + tau * (mass - V / 16.0);
+      block.M[a][b] = mass / (tissue.kappa - share * own_bulk<4>(tissue)) + tau * (mass - V / 16.0);
     }
   }
   return block;
@@ -320,7 +347,7 @@ double cell_element(const CellInput& in, std::span<double> residual, std::span<d
     }
     PressureMass block;
     if constexpr (Nodes == 4) {
-      block = affine_pressure_block(in.tissue, at.volume);
+      block = affine_pressure_block(in.tissue, in.share, at.volume);
     } else {
       for (std::size_t a = 0; a < 4; ++a) {
         for (std::size_t b = 0; b < 4; ++b) {

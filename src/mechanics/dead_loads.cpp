@@ -71,7 +71,7 @@ void add_traction(const Body& body, const fem::EdgeTable& edges, std::span<const
 std::vector<Vec3> dead_forces(const Body& body, const fem::EdgeTable& edges,
                               std::span<const Vec3> reference_nodes) {
   std::vector<Vec3> force(reference_nodes.size(), Vec3{});
-  const bool linear = body.element == Element::P1P1;
+  const bool linear = body.element != Element::P2P1;
   if (body.loads.body_force) {
     (linear ? add_body_force<4> : add_body_force<10>)(body, edges, reference_nodes, force);
   }

@@ -63,11 +63,9 @@ void check_body(const Body& body) {
 /// A fresh wound resists shear a hundred times less than the tissue around it. Below this
 /// integrity (for about a fortnight after surgery) factors have fill; the limit is not tuned.
 constexpr double soft_integrity = 0.5;
-/// Incomplete factors are made of a stiffer body, which keeps them stable on fine meshes
-/// (docs/adr, 8): no cell has less than this integrity,
-constexpr double factored_integrity = 0.05;
-/// and pressures have this share of minus a pressure mass over mu, which is spectrally equivalent
-/// to their Schur complement, beside what is in the system: next to nothing in Taylor-Hood.
+/// For stable incomplete factors (docs/adr, 8) pressures have this share of minus a pressure mass
+/// over mu, which is spectrally equivalent to their Schur complement, beside what is in the system:
+/// next to nothing in Taylor-Hood.
 constexpr double factored_mass_p1 = 0.05;
 constexpr double factored_mass_p2 = 0.2;
 
@@ -90,9 +88,14 @@ DiscreteBody::DiscreteBody(const Body& body) : body_(body) {
   layout_ = body_.share != nullptr ? body_.share->layout(edges_) : fem::make_layout(positions);
   hold_nodes();
   list_elements();
-  system_ = std::make_unique<fem::SparseSystem>(layout_, elements_, fixed_, positions);
-  system_->set_smoothed(body_.element == Element::P2P1 ? fem::Smoothed::Factored
-                                                       : fem::Smoothed::System);
+  std::optional<int> narrow;
+  if (body_.element == Element::Smoothed) {
+    narrow = elements_.size();
+    list_domains();
+  }
+  system_ = std::make_unique<fem::SparseSystem>(layout_, elements_, fixed_, positions, narrow);
+  system_->set_smoothed(body_.element == Element::P1P1 ? fem::Smoothed::System
+                                                       : fem::Smoothed::Factored);
   list_parts();
 }
 
@@ -143,6 +146,28 @@ void DiscreteBody::list_elements() {
   }
 }
 
+void DiscreteBody::list_domains() {
+  const auto& cells = body_.mesh->cells;
+  smoothing_ = SmoothingDomains(cells, fem::make_edges(cells));
+  std::vector<int> first;
+  for (int d = 0; d < smoothing_.size(); ++d) {
+    int row = layout_.total;
+    bool mine = false;
+    for (const int v : smoothing_.nodes(d)) {
+      row = std::min(row, layout_.global[index(v)]);
+      mine = mine || layout_.owns(v);
+    }
+    first.push_back(row);
+    if (mine) {
+      domains_.push_back(d);
+    }
+  }
+  std::ranges::stable_sort(domains_, {}, [&](int d) { return first[index(d)]; });
+  for (const int d : domains_) {
+    elements_.add(smoothing_.nodes(d));
+  }
+}
+
 /// Every thread evaluates all elements that touch its rows and writes nothing else: no barriers,
 /// and sums that do not depend on the number of threads. The elements between two parts are
 /// computed twice.
@@ -180,6 +205,7 @@ void DiscreteBody::begin(Unknown unknown, std::span<const Vec3> known, const Vec
   soft_ = fem::largest(body_.share, soft_here ? 1.0 : 0.0) > 0.0;
   system_->set_fill(soft_ ? 1 : 0);
   set_pressure_diagonal();
+  smoothing_.leave_out_soft(body_.tissue);
   if (body_.loads.any()) {
     begin_dead_loads();
   }
@@ -248,7 +274,7 @@ void DiscreteBody::set_scales() {
 /// A share of -int q / mu dV at the vertices (complete for own ones), for the factors.
 void DiscreteBody::set_pressure_diagonal() {
   pressure_diagonal_.assign(node_count_, 0.0);
-  const double share = body_.element == Element::P1P1 ? factored_mass_p1 : factored_mass_p2;
+  const double share = body_.element == Element::P2P1 ? factored_mass_p2 : factored_mass_p1;
   const std::vector<double> volumes =
       cell_volumes(*body_.mesh, std::span(known_).first(body_.mesh->points.size()));
   for (const int c : cells_) {
@@ -257,125 +283,6 @@ void DiscreteBody::set_pressure_diagonal() {
       pressure_diagonal_[index(v)] -= share * 0.25 * volumes[index(c)] / (2.0 * (t.c1 + t.c2));
     }
   }
-}
-
-/// Vector and matrix of one element.
-struct DiscreteBody::Buffer {
-  std::vector<double> vector, matrix;
-  Buffer(std::size_t size, bool with_matrix)
-      : vector(size), matrix(with_matrix ? size * size : 0) {}
-};
-
-template <std::size_t Nodes>
-double DiscreteBody::compute_cell(int e, const State& state, const Tissue& tissue,
-                                  Buffer& to) const {
-  const auto nodes = elements_.of(e);
-  std::array<Vec3, Nodes> known;
-  std::array<Vec3, Nodes> sought;
-  std::array<double, 4> p{};
-  for (std::size_t a = 0; a < Nodes; ++a) {
-    known[a] = known_[index(nodes[a])];
-    sought[a] = state.nodes[index(nodes[a])];
-  }
-  for (std::size_t a = 0; a < 4; ++a) {
-    p[a] = state.pressure[index(nodes[a])];
-  }
-  return cell_element<Nodes>({unknown_, known, sought, p, tissue, gravity_}, to.vector, to.matrix);
-}
-
-/// What the factors have beside a soft cell: the difference to a stiffer one.
-template <std::size_t Nodes>
-void DiscreteBody::stiffen(int e, const State& state, Tissue tissue, const Buffer& soft,
-                           Buffer& stiff, fem::RowPart rows) {
-  tissue.integrity = factored_integrity;
-  compute_cell<Nodes>(e, state, tissue, stiff);
-  std::ranges::transform(stiff.matrix, soft.matrix, stiff.matrix.begin(), std::minus<>());
-  system_->add_for_factors(e, 4, stiff.matrix, rows);
-}
-
-template <std::size_t Nodes>
-void DiscreteBody::compute_face(int f, const State& state, bool at_rest, Buffer& to) const {
-  const auto nodes = elements_.of(static_cast<int>(cells_.size()) + f);
-  std::array<Vec3, Nodes> known;
-  std::array<Vec3, Nodes> sought;
-  for (std::size_t a = 0; a < Nodes; ++a) {
-    known[a] = known_[index(nodes[a])];
-    sought[a] = state.nodes[index(nodes[a])];
-  }
-  const Skin& skin = body_.skins[index(body_.skin_faces[index(faces_[index(f)])].law)];
-  face_element<Nodes>({unknown_, known, sought, skin, gravity_, at_rest}, to.vector, to.matrix);
-}
-
-template <std::size_t CellNodes, std::size_t FaceNodes>
-Worst DiscreteBody::evaluate_part(const Part& part, const State& state, bool with_matrix,
-                                  bool at_rest) {
-  const auto cells = static_cast<int>(cells_.size());
-  Worst worst{std::numeric_limits<double>::infinity(), -1};
-  Buffer cell(3 * CellNodes + 4, with_matrix);
-  Buffer stiff(3 * CellNodes + 4, with_matrix);
-  Buffer face(3 * FaceNodes, with_matrix);
-  for (const int e : part.elements) {
-    if (e < cells) {
-      const Tissue& tissue = body_.tissue[index(cells_[index(e)])];
-      const double J = compute_cell<CellNodes>(e, state, tissue, cell);
-      if (!(J >= worst.J)) {
-        worst = {std::isnan(J) ? -1.0 : J, cells_[index(e)]};
-      }
-      system_->add(e, 4, cell.vector, cell.matrix, part.rows);
-      if (with_matrix && tissue.integrity < factored_integrity) {
-        stiffen<CellNodes>(e, state, tissue, cell, stiff, part.rows);
-      }
-    } else {
-      compute_face<FaceNodes>(e - cells, state, at_rest, face);
-      system_->add(e, 0, face.vector, face.matrix, part.rows);
-    }
-  }
-  return worst;
-}
-
-template <std::size_t CellNodes, std::size_t FaceNodes>
-bool DiscreteBody::evaluate(const State& state, bool with_matrix, bool at_rest) {
-  system_->clear(with_matrix);
-  std::vector<Worst> worst(parts_.size());
-  side_by_side(static_cast<int>(parts_.size()), [&](int p) {
-    worst[index(p)] =
-        evaluate_part<CellNodes, FaceNodes>(parts_[index(p)], state, with_matrix, at_rest);
-  });
-  worst_ = *std::ranges::min_element(worst, {}, &Worst::J);
-  const struct {
-    double J;
-    int rank;
-  } mine{worst_.J, fem::rank()};
-  auto all = mine;
-  MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE_INT, MPI_MINLOC, MPI_COMM_WORLD);
-  worst_.J = all.J;
-  worst_rank_ = all.rank;
-  return worst_.J > 0.0;
-}
-
-bool DiscreteBody::run(const State& state, bool with_matrix, bool at_rest) {
-  return body_.element == Element::P1P1 ? evaluate<4, 3>(state, with_matrix, at_rest)
-                                        : evaluate<10, 6>(state, with_matrix, at_rest);
-}
-
-bool DiscreteBody::residual(const State& state, std::vector<double>& r) {
-  if (!run(state, false, false)) {
-    return false;
-  }
-  r = system_->vector();
-  subtract_dead_forces(r);
-  return true;
-}
-
-bool DiscreteBody::residual_and_matrix(const State& state, std::vector<double>& r, bool at_rest) {
-  if (!run(state, true, at_rest)) {
-    return false;
-  }
-  r = system_->vector();
-  subtract_dead_forces(r);
-  system_->add_for_factors(pressure_diagonal_);
-  system_->finish_matrix();
-  return true;
 }
 
 fem::LinearReport DiscreteBody::solve(std::span<const double> b, double relative_tolerance,

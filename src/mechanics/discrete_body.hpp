@@ -8,6 +8,7 @@
 #include "fem/sparse_system.hpp"
 #include "mechanics/elements.hpp"
 #include "mechanics/problem.hpp"
+#include "mechanics/smoothing.hpp"
 
 namespace sanatrix::mechanics {
 
@@ -72,10 +73,13 @@ class DiscreteBody {
     std::vector<int> elements;
   };
   template <std::size_t Nodes>
-  double compute_cell(int e, const State& state, const Tissue& tissue, Buffer& to) const;
+  double compute_cell(int e, const State& state, const Tissue& tissue, double share,
+                      Buffer& to) const;
   template <std::size_t Nodes>
-  void stiffen(int e, const State& state, Tissue tissue, const Buffer& soft, Buffer& stiff,
-               fem::RowPart rows);
+  void add_for_factors(int e, const State& state, Tissue tissue, const Buffer& in_system,
+                       Buffer& stiff, fem::RowPart rows);
+  double add_domain(int domain, const State& state, Buffer& to, fem::RowPart rows);
+  void list_domains();
   template <std::size_t Nodes>
   void compute_face(int f, const State& state, bool at_rest, Buffer& to) const;
   template <std::size_t CellNodes, std::size_t FaceNodes>
@@ -98,8 +102,9 @@ class DiscreteBody {
   std::size_t node_count_ = 0;
   fem::Layout layout_;
   fem::ElementList elements_;
-  std::vector<int> cells_, faces_;   ///< that touch an own node, in element order
-  std::vector<std::uint8_t> fixed_;  ///< per node: bits x y z p
+  std::vector<int> cells_, faces_, domains_;  ///< that touch an own node, in element order
+  SmoothingDomains smoothing_;                ///< of smoothed elements only
+  std::vector<std::uint8_t> fixed_;           ///< per node: bits x y z p
   std::vector<Part> parts_;
   std::unique_ptr<fem::SparseSystem> system_;
   Unknown unknown_ = Unknown::Deformed;

@@ -86,7 +86,7 @@ double DiscreteBody::norm(std::span<const double> r) const {
 std::vector<double> DiscreteBody::jacobians(std::span<const Vec3> reference,
                                             std::span<const Vec3> deformed) const {
   const std::size_t cells = body_.mesh->cells.size();
-  if (body_.element == Element::P1P1) {
+  if (body_.element != Element::P2P1) {
     const std::vector<double> V = cell_volumes(*body_.mesh, reference);
     std::vector<double> J = cell_volumes(*body_.mesh, deformed);
     std::ranges::transform(J, V, J.begin(), std::divides<>());

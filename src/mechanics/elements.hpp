@@ -21,6 +21,8 @@ struct CellInput {
   std::array<double, 4> pressure;       ///< at the vertices [Pa]
   Tissue tissue;
   Vec3 gravity;  ///< [m/s2]
+  /// The share of its stress and volume that the cell answers for; smoothing domains do the rest.
+  double share = 1.0;
 };
 
 /// Weak form of Eq. (8) with pressure p as an independent field:
@@ -41,6 +43,30 @@ double cell_element(const CellInput& in, std::span<double> residual, std::span<d
 
 /// That share [Pa]; ADR 3.
 double own_bulk_modulus(const Tissue& tissue);
+
+/// More cells meet at no edge of a mesh that is worth computing with.
+constexpr std::size_t most_domain_nodes = 48;
+
+/// A cell of a smoothing domain, by the domain's nodes.
+struct DomainCell {
+  std::array<int, 4> node;
+  const Tissue* tissue;
+};
+
+struct DomainInput {
+  Unknown unknown;
+  std::span<const Vec3> known, sought;  ///< positions of the domain's nodes [m]
+  std::span<const double> pressure;     ///< at them [Pa]
+  std::span<const DomainCell> cells;
+};
+
+/// Stress and volume of the smoothing domain of an edge: a sixth of every linear cell around it,
+/// with one deformation gradient, the mean of the cells' by reference volume, and mean tissue
+/// (edge-based smoothed finite elements, doi:10.1002/nme.4472). R as above without gravity and
+/// p/kappa terms, which stay with the cells. Unknowns: displacements node-major xyz, then the
+/// pressures. Returns det F, or the first reference volume that is not positive; then the outputs
+/// are not written.
+double domain_element(const DomainInput& in, std::span<double> residual, std::span<double> matrix);
 
 struct FaceInput {
   Unknown unknown;

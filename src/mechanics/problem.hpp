@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/context.hpp"
@@ -19,7 +20,20 @@ class MeshShare;
 
 namespace sanatrix::mechanics {
 
-enum class Element { P1P1, P2P1 };  ///< P1/P1 with pressure projection; Taylor-Hood
+enum class Element {
+  P1P1,      ///< linear, with pressure projection
+  Smoothed,  ///< the same with strains averaged around edges: as many unknowns, far less stiff
+  P2P1,      ///< Taylor-Hood
+};
+
+/// As parameters and problem files name them, in the order of Element.
+const std::vector<std::string>& element_names();
+/// `name` must be one of them.
+Element element_named(const std::string& name);
+/// "p1p1".
+const std::string& name_of(Element element);
+/// "P1/P1", for tables.
+std::string title_of(Element element);
 
 /// Dead loads and moved supports beside gravity: what verification needs. Forward problems only.
 /// Forces are given per reference volume and area and do not follow the deformation.

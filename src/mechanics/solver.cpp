@@ -56,6 +56,33 @@ std::vector<double> minus(const std::vector<double>& a, const std::vector<double
 
 }  // namespace
 
+const std::vector<std::string>& element_names() {
+  static const std::vector<std::string> names{"p1p1", "smoothed", "p2p1"};
+  return names;
+}
+
+Element element_named(const std::string& name) {
+  const auto at = std::ranges::find(element_names(), name);
+  ensure(at != element_names().end(), "no element is called {}", name);
+  return static_cast<Element>(at - element_names().begin());
+}
+
+const std::string& name_of(Element element) {
+  return element_names()[static_cast<std::size_t>(element)];
+}
+
+std::string title_of(Element element) {
+  switch (element) {
+    case Element::P1P1:
+      return "P1/P1";
+    case Element::Smoothed:
+      return "smoothed P1/P1";
+    case Element::P2P1:
+      return "P2/P1";
+  }
+  return {};
+}
+
 void accumulate(SolveReport& sum, const SolveReport& next) {
   sum.converged = next.converged;
   sum.newton_iterations += next.newton_iterations;
@@ -87,7 +114,7 @@ struct Solver::Impl {
   /// Is this a problem whose single cells would fold? Fresh wounds are nearly fluid.
   [[nodiscard]] bool folds() const {
     return (unknown == Unknown::Reference || discrete.is_soft()) &&
-           discrete.body().element == Element::P1P1;
+           discrete.body().element != Element::P2P1;
   }
   State follow_load(State state, bool from_rest, const Context& ctx);
   [[noreturn]] void fail(double load) const;

@@ -44,8 +44,7 @@ mechanics::TissuePreset tissue_values(const Parameters& p) {
 }
 
 mechanics::Element element_of(const Parameters& parameters) {
-  return parameters.text("solver.element") == "p2p1" ? mechanics::Element::P2P1
-                                                     : mechanics::Element::P1P1;
+  return mechanics::element_named(parameters.text("solver.element"));
 }
 
 mechanics::Body make_body(const TetMesh& mesh, std::span<const double> fibroglandular,

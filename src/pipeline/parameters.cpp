@@ -10,6 +10,7 @@
 #include "core/error.hpp"
 #include "healing/model.hpp"
 #include "mechanics/material.hpp"
+#include "mechanics/problem.hpp"
 
 namespace sanatrix::pipeline {
 namespace {
@@ -77,8 +78,10 @@ void add_body(std::vector<ParameterInfo>& t) {
       number("skin.density_kg_m3", "", 100, 3000, "kg/m3", "skin density (default: preset)"));
   t.push_back(choice("skin.tension_field", {"yes", "no"},
                      "relaxed energy: skin bears no compression", "yes"));
-  t.push_back(choice("solver.element", {"p1p1", "p2p1"},
-                     "p1p1: stabilised linear, fast; p2p1: Taylor-Hood, accurate", "p1p1"));
+  t.push_back(choice("solver.element", mechanics::element_names(),
+                     "p1p1: stabilised linear, fast; smoothed: the same with strains averaged "
+                     "around edges; p2p1: Taylor-Hood, accurate",
+                     "p1p1"));
   t.push_back(number("solver.relative_tolerance", "1e-9", 1e-13, 1e-3, "",
                      "Newton stops when residual / load is below this"));
 }

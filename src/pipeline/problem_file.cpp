@@ -173,8 +173,9 @@ SolveProblem problem_from(const JsonObject& root, const fs::path& folder) {
   problem.mode = read_mode(root);
   require(root.has("healing") == (problem.mode == Mode::Healing),
           "healing: this key belongs to mode \"healing\", and only to it");
-  if (root.has("element") && root.choice("element", {"p1p1", "p2p1"}) == "p2p1") {
-    problem.body.element = mechanics::Element::P2P1;
+  if (root.has("element")) {
+    problem.body.element =
+        mechanics::element_named(root.choice("element", mechanics::element_names()));
   }
   if (root.has("gravity") || problem.mode != Mode::Healing) {
     const std::vector<double> g = root.numbers("gravity", 3);

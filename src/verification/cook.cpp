@@ -86,6 +86,10 @@ void add_cook(std::vector<Case>& cases) {
                    Cost::Fast, about, [](const Context& ctx) {
                      return cook(Element::P1P1, {8, 16, 32, 64}, 0.03, ctx);
                    }});
+  cases.push_back({"cook-smoothed", "Cook's membrane, smoothed P1/P1 (C8)",
+                   Chapter::CodeVerification, Cost::Fast, about, [](const Context& ctx) {
+                     return cook(Element::Smoothed, {8, 16, 32}, 0.03, ctx);
+                   }});
   cases.push_back({"cook-p2p1", "Cook's membrane, P2/P1 (C8)", Chapter::CodeVerification,
                    Cost::Fast, about, [](const Context& ctx) {
                      return cook(Element::P2P1, {4, 8, 16}, 0.01, ctx);

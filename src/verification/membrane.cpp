@@ -57,8 +57,7 @@ Findings tissue_states(const Context& ctx) {
                                 s.P[0][0] * l - s.P[2][2] * across, 0.005, "Pa",
                                 "reference given to 0.01"));
     for (const Element element : {Element::P1P1, Element::P2P1}) {
-      found.checks.push_back(near(fmt::format("{} stretch of a block, {}", name,
-                                              element == Element::P1P1 ? "P1/P1" : "P2/P1"),
+      found.checks.push_back(near(fmt::format("{} stretch of a block, {}", name, title_of(element)),
                                   l, block_stretch(element, reference, l, biaxial, ctx), 1e-4, "",
                                   "homogeneous: exact up to the reference's digits and 1/kappa"));
     }

@@ -96,8 +96,7 @@ void compare(const std::string& mesh_file, Element element, const Load& load, co
   double size = 0.0;
   std::size_t matched = 0;
   const auto apex = static_cast<std::size_t>(h.mesh.named_points.at("apex"));
-  const std::string name =
-      fmt::format("{}, {}", element == Element::P1P1 ? "P1/P1" : "P2/P1", load.name);
+  const std::string name = fmt::format("{}, {}", title_of(element), load.name);
   for (std::size_t v = 0; v < h.mesh.points.size(); ++v) {
     const auto at = reference.find(key_of(h.mesh.points[v]));
     if (at == reference.end()) {
@@ -128,6 +127,13 @@ Findings hemisphere_p1p1(const Context& ctx) {
   return found;
 }
 
+Findings hemisphere_smoothed(const Context& ctx) {
+  Findings found;
+  compare("bench/hemi5k.msh", Element::Smoothed, load_prone, {0.01, 0.015}, found, ctx);
+  compare("bench/hemi5k.msh", Element::Smoothed, load_upright, {0.02, 0.025}, found, ctx);
+  return found;
+}
+
 Findings hemisphere_inverse(const Context& ctx) {
   Findings found;
   compare("bench/hemiC_v22.msh", Element::P2P1, unload_prone, {0.005, 0.005}, found, ctx);
@@ -153,6 +159,9 @@ void add_peers(std::vector<Case>& cases) {
       {"hemisphere-p1p1", "Hemisphere against a peer, P1/P1", Chapter::CodeVerification, Cost::Fast,
        std::string(about) + "The goal is 2 % prone and 4 % upright, at a hundredth of the time.",
        hemisphere_p1p1});
+  cases.push_back({"hemisphere-smoothed", "Hemisphere against a peer, smoothed P1/P1",
+                   Chapter::CodeVerification, Cost::Fast,
+                   std::string(about) + "Half of what P1/P1 is allowed.", hemisphere_smoothed});
   cases.push_back({"hemisphere-inverse", "Hemisphere unloaded, against a peer",
                    Chapter::CodeVerification, Cost::Fast,
                    "The same on 2,751 tetrahedra, the given mesh being the loaded shape.",

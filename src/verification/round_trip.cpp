@@ -48,9 +48,8 @@ Findings round_trip(Element element, int layers, const Vec3& gravity, const Cont
     moved = std::max(moved, norm(unloaded.nodes[n] - given[n]));
     worst = std::max(worst, norm(again.nodes[n] - given[n]));
   }
-  const std::string name =
-      fmt::format("{}, gravity ({:g}, {:g}, {:g})", element == Element::P1P1 ? "P1/P1" : "P2/P1",
-                  gravity[0], gravity[1], gravity[2]);
+  const std::string name = fmt::format("{}, gravity ({:g}, {:g}, {:g})", title_of(element),
+                                       gravity[0], gravity[1], gravity[2]);
   Findings found;
   found.checks.push_back(within(name + ": largest displacement", 2.0, 40.0, 1e3 * moved, "mm",
                                 "the trip must be worth making"));
@@ -61,9 +60,12 @@ Findings round_trip(Element element, int layers, const Vec3& gravity, const Cont
 
 Findings round_trips(const Context& ctx) {
   Findings found;
-  for (const auto& [element, layers, gravity] : {std::tuple{Element::P1P1, 8, Vec3{0, 0, 9.81}},
-                                                 std::tuple{Element::P1P1, 8, Vec3{0, -9.81, 0}},
-                                                 std::tuple{Element::P2P1, 4, Vec3{0, 0, 9.81}}}) {
+  for (const auto& [element, layers, gravity] :
+       {std::tuple{Element::P1P1, 8, Vec3{0, 0, 9.81}},
+        std::tuple{Element::P1P1, 8, Vec3{0, -9.81, 0}},
+        std::tuple{Element::Smoothed, 8, Vec3{0, 0, 9.81}},
+        std::tuple{Element::Smoothed, 8, Vec3{0, -9.81, 0}},
+        std::tuple{Element::P2P1, 4, Vec3{0, 0, 9.81}}}) {
     const Findings one = round_trip(element, layers, gravity, ctx);
     found.checks.insert(found.checks.end(), one.checks.begin(), one.checks.end());
   }

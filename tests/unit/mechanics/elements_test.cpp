@@ -2,6 +2,7 @@
 // overall norm would be blind to the small pressure rows.
 #include "mechanics/elements.hpp"
 
+#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -123,6 +124,121 @@ TEST(ACell, GivesTheSameResidualWhicheverShapeIsCalledKnown) {
   cell_element<4>({Unknown::Reference, x, X, p, wounded, gravity}, inverse, {});
   for (std::size_t i = 0; i < 16; ++i) {
     EXPECT_NEAR(forward[i], inverse[i], 1e-12 * (1.0 + std::abs(forward[0])));
+  }
+}
+
+// Four cells around the inner edge of an octahedron: all nodes of a smoothing domain move.
+struct Octahedron {
+  Nodes known{{0, 0, -9e-3}, {0, 0, 1e-2},    {9e-3, 0, 0},
+              {0, 1e-2, 0},  {-1.1e-2, 0, 0}, {0, -8e-3, 0}};
+  Nodes sought = known;
+  std::vector<double> p{30.0, -80.0, 120.0, 10.0, 60.0, -40.0};
+  std::array<Tissue, 4> tissue;
+  std::vector<DomainCell> cells;
+  Octahedron() {
+    shake(known, 5e-4, 11);
+    shake(sought, 9e-4, 3);
+    for (int c = 0; c < 4; ++c) {
+      Tissue& t = tissue.at(static_cast<std::size_t>(c));
+      t = wounded;
+      t.c1 += 40.0 * c;
+      t.c2 -= 15.0 * c;
+      t.active_stress += 30.0 * c;
+      t.shrinkage -= 0.01 * c;
+      cells.push_back({{0, 1, 2 + c, 2 + (c + 1) % 4}, &t});
+    }
+  }
+  double operator()(Unknown unknown, std::span<double> r, std::span<double> K) const {
+    return domain_element({unknown, known, sought, p, cells}, r, K);
+  }
+};
+
+void expect_consistent_domain(Unknown unknown) {
+  Octahedron domain;
+  constexpr std::size_t n = 24;
+  std::vector<double> r(n);
+  std::vector<double> K(n * n);
+  ASSERT_GT(domain(unknown, r, K), 0.0);
+  std::array<double, 4> error{};  // uu, up, pu, pp
+  std::array<double, 4> size{};
+  for (std::size_t c = 0; c < n; ++c) {
+    const bool is_p = c >= 18;
+    const double h = is_p ? 1e-2 : 1e-8;
+    double& x = is_p ? domain.p[c - 18] : domain.sought[c / 3][c % 3];
+    const double x0 = x;
+    std::vector<double> plus(n);
+    std::vector<double> minus(n);
+    x = x0 + h;
+    domain(unknown, plus, {});
+    x = x0 - h;
+    domain(unknown, minus, {});
+    x = x0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t block = 2 * (i >= 18 ? 1U : 0U) + (is_p ? 1U : 0U);
+      const double k = K[i * n + c];
+      error.at(block) = std::max(error.at(block), std::abs(k - (plus[i] - minus[i]) / (2.0 * h)));
+      size.at(block) = std::max(size.at(block), std::abs(k));
+    }
+  }
+  for (const std::size_t block : {0U, 1U, 2U}) {
+    EXPECT_LT(error.at(block), 2e-6 * size.at(block)) << block;
+  }
+  EXPECT_EQ(size[3], 0.0);
+}
+
+TEST(ASmoothingDomain, HasAConsistentForwardTangent) {
+  expect_consistent_domain(Unknown::Deformed);
+}
+TEST(ASmoothingDomain, HasAConsistentInverseTangent) {
+  expect_consistent_domain(Unknown::Reference);
+}
+
+TEST(ASmoothingDomain, GivesTheSameResidualWhicheverShapeIsCalledKnown) {
+  Octahedron domain;
+  std::vector<double> forward(24);
+  std::vector<double> inverse(24);
+  ASSERT_GT(domain(Unknown::Deformed, forward, {}), 0.0);
+  std::swap(domain.known, domain.sought);
+  ASSERT_GT(domain(Unknown::Reference, inverse, {}), 0.0);
+  for (std::size_t i = 0; i < 24; ++i) {
+    EXPECT_NEAR(forward[i], inverse[i], 1e-12 * std::abs(forward[0]));
+  }
+}
+
+// In a homogeneous state all cells have the same strain, and averaging may change nothing: six
+// times a domain's residual is the sum of what its cells say themselves, but for the pressure's own
+// terms, which vanish without pressure.
+TEST(ASmoothingDomain, OfAHomogeneousStateIsASixthOfItsCells) {
+  Octahedron domain;
+  const Mat3 F{{{1.1, 0.2, -0.1}, {0.05, 0.9, 0.15}, {-0.2, 0.1, 1.05}}};
+  std::ranges::transform(domain.known, domain.sought.begin(), [&](const Vec3& X) { return F * X; });
+  domain.tissue.fill({});
+  for (Tissue& t : domain.tissue) {
+    t.guard = 0.0;
+  }
+  domain.p.assign(6, 0.0);
+  std::vector<double> r(24);
+  ASSERT_GT(domain(Unknown::Deformed, r, {}), 0.0);
+  std::vector<double> sum(24);
+  for (const DomainCell& cell : domain.cells) {
+    Nodes X;
+    Nodes x;
+    for (const int a : cell.node) {
+      X.push_back(domain.known[static_cast<std::size_t>(a)]);
+      x.push_back(domain.sought[static_cast<std::size_t>(a)]);
+    }
+    std::vector<double> own(16);
+    cell_element<4>({Unknown::Deformed, X, x, {}, *cell.tissue, {}}, own, {});
+    for (std::size_t a = 0; a < 4; ++a) {
+      const auto node = static_cast<std::size_t>(cell.node[a]);
+      for (std::size_t i = 0; i < 3; ++i) {
+        sum[3 * node + i] += own[3 * a + i] / 6.0;
+      }
+      sum[18 + node] += own[12 + a] / 6.0;
+    }
+  }
+  for (std::size_t i = 0; i < 24; ++i) {
+    EXPECT_NEAR(r[i], sum[i], 1e-12 * (i < 18 ? std::abs(sum[0]) : std::abs(sum[18])));
   }
 }
 
