@@ -148,6 +148,11 @@ class BlockFactors::Half {
   void apply(const double* r, double* z);
 
  private:
+  struct Entry {
+    PetscInt column, slot;
+    int level;
+  };
+  [[nodiscard]] std::vector<std::vector<Entry>> filled(int levels) const;
   void make_pattern(int levels);
   bool eliminate(std::size_t row, const double* values);
   /// Where U has a row: the last one first.
@@ -166,12 +171,7 @@ class BlockFactors::Half {
 
 /// A block fills in where eliminating one of lower column produces it, one level above the two
 /// that produce it.
-void BlockFactors::Half::make_pattern(int levels) {
-  struct Entry {
-    PetscInt column, slot;
-    int level;
-  };
-  levels_ = levels;
+std::vector<std::vector<BlockFactors::Half::Entry>> BlockFactors::Half::filled(int levels) const {
   std::vector<std::vector<Entry>> rows(order_.size());
   std::vector<int> level_at(order_.size(), levels + 1);
   for (std::size_t p = 0; p < rows.size(); ++p) {
@@ -186,17 +186,29 @@ void BlockFactors::Half::make_pattern(int levels) {
       const Entry pivot = row[k];
       for (const Entry& above : rows[index(pivot.column)]) {
         const int level = pivot.level + above.level + 1;
-        if (above.column > pivot.column && level < level_at[index(above.column)]) {
-          level_at[index(above.column)] = level;
-          row.insert(std::ranges::upper_bound(row, above.column, {}, &Entry::column),
-                     {above.column, -1, level});
+        int& known = level_at[index(above.column)];
+        if (above.column <= pivot.column || level >= known) {
+          continue;
         }
+        const auto at = std::ranges::lower_bound(row, above.column, {}, &Entry::column);
+        if (known > levels) {
+          row.insert(at, {above.column, -1, level});
+        } else {
+          at->level = level;
+        }
+        known = level;
       }
     }
     for (const Entry& entry : row) {
       level_at[index(entry.column)] = levels + 1;
     }
   }
+  return rows;
+}
+
+void BlockFactors::Half::make_pattern(int levels) {
+  levels_ = levels;
+  const std::vector<std::vector<Entry>> rows = filled(levels);
   lower_ = {};
   upper_ = {};
   for (std::size_t p = 0; p < rows.size(); ++p) {
