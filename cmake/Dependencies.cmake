@@ -39,13 +39,6 @@ find_package(VTK REQUIRED COMPONENTS
 add_library(Vtk INTERFACE)
 target_link_libraries(Vtk INTERFACE ${VTK_LIBRARIES})
 
-# Loaded at run time, by the file it is now (io/gmsh_library.cpp).
-find_library(GMSH_LIBRARY gmsh REQUIRED)
-file(REAL_PATH ${GMSH_LIBRARY} gmsh_file)
-add_library(Gmsh INTERFACE)
-target_compile_definitions(Gmsh INTERFACE SANATRIX_GMSH_LIBRARY="${gmsh_file}")
-target_link_libraries(Gmsh INTERFACE ${CMAKE_DL_LIBS})
-
 # DCMTK's own list has all of its modules (network, signatures); reading needs these.
 find_package(DCMTK REQUIRED CONFIG)
 add_library(Dicom INTERFACE)

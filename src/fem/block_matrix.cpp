@@ -257,6 +257,25 @@ void BlockMatrix::add(BlockValues& to_values, int element, int pressures,
   }
 }
 
+void BlockMatrix::add_blocks(int element, std::span<const double> blocks, RowPart part) {
+  const int* nodes = nodes_.data() + offset_[index(element)];
+  const int count = offset_[index(element) + 1] - offset_[index(element)];
+  const int* slots = slots_.data() + first_slot_[index(element)];
+  for (int a = 0; a < count; ++a) {
+    const int row = row_of_node_[index(nodes[a])];
+    if (row < part.begin || row >= part.end) {
+      continue;
+    }
+    for (int b = 0; b < count; ++b) {
+      double* to = slot(system_, slots[a * count + b]);
+      const double* from = blocks.data() + static_cast<std::ptrdiff_t>(16 * (a * count + b));
+      for (int i = 0; i < 16; ++i) {
+        to[i] += from[i];
+      }
+    }
+  }
+}
+
 void BlockMatrix::add_for_factors(int row, double value) {
   BlockValues& to = beside_.matrix != nullptr ? beside_ : system_;
   to.local.values[16 * diagonal_[index(row)] + 15] += value;

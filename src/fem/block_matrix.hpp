@@ -46,6 +46,8 @@ class BlockMatrix {
   void add(int element, int pressures, std::span<const double> values, RowPart part) {
     add(system_, element, pressures, values, part);
   }
+  /// The same from 4 x 4 blocks per pair of nodes, each by columns.
+  void add_blocks(int element, std::span<const double> blocks, RowPart part);
   void add_for_factors(int element, int pressures, std::span<const double> values, RowPart part) {
     add(beside_, element, pressures, values, part);
   }

@@ -240,7 +240,7 @@ void MeshShare::Impl::find_owners() {
         "reading the owners");
 }
 
-MeshShare::MeshShare(const TetMesh& whole) : impl_(std::make_unique<Impl>()) {
+MeshShare::MeshShare(const TetMesh& whole, int layers) : impl_(std::make_unique<Impl>()) {
   Impl& share = *impl_;
   share.take_names(whole);
   share.make_plex(whole);
@@ -271,7 +271,7 @@ MeshShare::MeshShare(const TetMesh& whole) : impl_(std::make_unique<Impl>()) {
   check(PetscPartitionerSetType(partitioner, PETSCPARTITIONERPTSCOTCH), "choosing the partitioner");
   PetscSF migration = nullptr;
   DM distributed = nullptr;
-  check(DMPlexDistribute(share.plex, 1, &migration, &distributed), "distributing the mesh");
+  check(DMPlexDistribute(share.plex, layers, &migration, &distributed), "distributing the mesh");
   if (distributed != nullptr) {
     check(DMDestroy(&share.plex), "distributing the mesh");
     share.plex = distributed;

@@ -13,14 +13,15 @@ namespace sanatrix::fem {
 
 class MeshShare {
  public:
-  /// Distributes the mesh of rank 0; what the others give is ignored. Collective.
-  explicit MeshShare(const TetMesh& whole);
+  /// Distributes the mesh of rank 0; what the others give is ignored. Collective. layers: 1: every
+  /// process has the cells that touch own vertices; 2: and those that touch these cells.
+  explicit MeshShare(const TetMesh& whole, int layers = 1);
   ~MeshShare();
   MeshShare(const MeshShare&) = delete;
   MeshShare& operator=(const MeshShare&) = delete;
 
-  /// Own vertices, every cell that touches one, and what these cells need. All names are kept; a
-  /// named point that is not an own vertex of this process has vertex -1.
+  /// Own vertices, so many layers of cells around them, and what these cells need. All names are
+  /// kept; a named point that is not an own vertex of this process has vertex -1.
   [[nodiscard]] const TetMesh& mesh() const;
   /// Numbers in the whole mesh, per local vertex and per local cell.
   [[nodiscard]] const std::vector<int>& vertex() const;

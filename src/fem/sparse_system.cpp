@@ -313,6 +313,23 @@ void SparseSystem::add(int element, int pressures, std::span<const double> vecto
   }
 }
 
+void SparseSystem::add_blocks(int element, std::span<const double> vector,
+                              std::span<const double> blocks, RowPart part) {
+  const auto e = static_cast<std::size_t>(element);
+  const auto first = static_cast<std::size_t>(impl_->offset[e]);
+  const auto count = static_cast<std::size_t>(impl_->offset[e + 1]) - first;
+  for (std::size_t a = 0; a < count; ++a) {
+    const auto node = static_cast<std::size_t>(impl_->nodes[first + a]);
+    const int row = impl_->row_of_node[node];
+    for (std::size_t i = 0; i < block && row >= part.begin && row < part.end; ++i) {
+      impl_->sum[block * node + i] += (impl_->fixed[node] >> i & 1) != 0 ? 0.0 : vector[4 * a + i];
+    }
+  }
+  if (!blocks.empty()) {
+    impl_->matrix.add_blocks(element, blocks, part);
+  }
+}
+
 void SparseSystem::add_for_factors(int element, int pressures, std::span<const double> matrix,
                                    RowPart part) {
   if (impl_->narrow) {

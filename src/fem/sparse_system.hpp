@@ -65,6 +65,10 @@ class SparseSystem {
   /// pressures of the first `pressures` nodes. matrix: row-major, or empty.
   void add(int element, int pressures, std::span<const double> vector,
            std::span<const double> matrix, RowPart part);
+  /// The same for elements with a pressure at every node: x y z p per node, and 4 x 4 blocks per
+  /// pair of nodes, each by columns, or none.
+  void add_blocks(int element, std::span<const double> vector, std::span<const double> blocks,
+                  RowPart part);
   /// Adds to the matrix of which incomplete factors are made, beside the system's values or, where
   /// there is a narrow system, alone: the rows of one element as above, or per node an entry of the
   /// pressure's diagonal.

@@ -131,6 +131,22 @@ Tissue own_tissue(const CellInput& in) {
   return own;
 }
 
+/// Does the cell answer for no stress at this volume?
+bool is_idle(const CellInput& in, const OwnPressure& own) {
+  return in.share == 0.0 && own.p == 0.0;
+}
+
+/// Weight of w times this density [kg/m3].
+template <std::size_t Nodes>
+void add_weight(const CellInput& in, const Point<Nodes>& at, double density,
+                const Local<Nodes>& out) {
+  for (std::size_t a = 0; a < Nodes; ++a) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      out.residual[3 * a + i] -= at.volume * density * at.N[a] * in.gravity[i];
+    }
+  }
+}
+
 /// Reference shape known: F = H. Returns det F.
 template <std::size_t Nodes>
 double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Nodes>& out) {
@@ -138,15 +154,18 @@ double add_forward(const CellInput& in, const Point<Nodes>& at, const Local<Node
   if (!(J > 0.0)) {
     return J;
   }
+  add_weight(in, at, in.tissue.density, out);
   const OwnPressure own = own_pressure<Nodes>(in, J);
+  if (is_idle(in, own)) {
+    return J;
+  }
   const Tissue tissue = own_tissue(in);
   const StressPoint s = stress(tissue, at.H, at.p + own.p);
   const double w = at.volume;
   const Mat3 cofactor = {J * s.F_inv_t[0], J * s.F_inv_t[1], J * s.F_inv_t[2]};
   for (std::size_t a = 0; a < Nodes; ++a) {
     for (std::size_t i = 0; i < 3; ++i) {
-      out.residual[3 * a + i] +=
-          w * (dot(s.P[i], at.G[a]) - in.tissue.density * at.N[a] * in.gravity[i]);
+      out.residual[3 * a + i] += w * dot(s.P[i], at.G[a]);
     }
   }
   for (std::size_t q = 0; q < 4; ++q) {
@@ -205,6 +224,38 @@ Tangent9 inverse_tangent(const Tissue& tissue, const Mat3& F, const OwnPressure&
   return D;
 }
 
+/// Derivative of the weight with respect to the sought reference shape; dj: of j dV at a node.
+template <std::size_t Nodes>
+void add_weight_change(const CellInput& in, const Point<Nodes>& at, const Mat3& F, double j,
+                       const Local<Nodes>& out) {
+  for (std::size_t b = 0; b < Nodes; ++b) {
+    for (std::size_t K = 0; K < 3; ++K) {
+      const double dj = at.volume * j * dot(Vec3{F[0][K], F[1][K], F[2][K]}, at.G[b]);
+      for (std::size_t a = 0; a < Nodes; ++a) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          out.K(3 * a + i, 3 * b + K) -= dj * in.tissue.density * at.N[a] * in.gravity[i];
+        }
+      }
+    }
+  }
+}
+
+/// The columns and rows of the pressure in the inverse problem.
+template <std::size_t Nodes>
+void add_inverse_pressure(const CellInput& in, const Point<Nodes>& at, const Mat3& F, double j,
+                          const Local<Nodes>& out) {
+  const double rest = 1.0 - in.tissue.shrinkage;  // J without pressure
+  for (std::size_t a = 0; a < Nodes; ++a) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double dj = at.volume * j * dot(Vec3{F[0][i], F[1][i], F[2][i]}, at.G[a]);
+      for (std::size_t q = 0; q < 4; ++q) {
+        out.K(3 * Nodes + q, 3 * a + i) -= in.share * dj * rest * at.Np[q];
+        out.K(3 * a + i, 3 * Nodes + q) += in.share * at.volume * at.G[a][i] * at.Np[q];
+      }
+    }
+  }
+}
+
 /// Deformed shape known: F = H^-1. Returns det F.
 template <std::size_t Nodes>
 double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Nodes>& out) {
@@ -213,7 +264,14 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
     return j;
   }
   const Mat3 F = inverse(at.H);
+  add_weight(in, at, j * in.tissue.density, out);
+  if (out.wants_matrix()) {
+    add_weight_change(in, at, F, j, out);
+  }
   const OwnPressure own = own_pressure<Nodes>(in, 1.0 / j);
+  if (is_idle(in, own)) {
+    return 1.0 / j;
+  }
   const Tissue tissue = own_tissue(in);
   const StressPoint s = stress(tissue, F, at.p + own.p);
   Mat3 sigma{};
@@ -223,41 +281,18 @@ double add_inverse(const CellInput& in, const Point<Nodes>& at, const Local<Node
     }
   }
   const double w = at.volume;
-  const double weight_density = j * in.tissue.density;
-  const double rest = 1.0 - in.tissue.shrinkage;  // J without pressure
   for (std::size_t a = 0; a < Nodes; ++a) {
     for (std::size_t i = 0; i < 3; ++i) {
-      out.residual[3 * a + i] +=
-          w * (dot(sigma[i], at.G[a]) - weight_density * at.N[a] * in.gravity[i]);
+      out.residual[3 * a + i] += w * dot(sigma[i], at.G[a]);
     }
   }
   for (std::size_t q = 0; q < 4; ++q) {
-    out.residual[3 * Nodes + q] += in.share * w * at.Np[q] * (1.0 - rest * j);
+    out.residual[3 * Nodes + q] +=
+        in.share * w * at.Np[q] * (1.0 - (1.0 - in.tissue.shrinkage) * j);
   }
-  if (!out.wants_matrix()) {
-    return s.J;
-  }
-  add_stiffness(at, w, inverse_tangent(tissue, F, {at.p + own.p, own.dp_dJ}, s, sigma), out);
-  for (std::size_t b = 0; b < Nodes; ++b) {
-    for (std::size_t K = 0; K < 3; ++K) {
-      const Vec3 column{F[0][K], F[1][K], F[2][K]};
-      const double dj = w * j * dot(column, at.G[b]);
-      for (std::size_t a = 0; a < Nodes; ++a) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          out.K(3 * a + i, 3 * b + K) -= dj * in.tissue.density * at.N[a] * in.gravity[i];
-        }
-      }
-      for (std::size_t q = 0; q < 4; ++q) {
-        out.K(3 * Nodes + q, 3 * b + K) -= in.share * dj * rest * at.Np[q];
-      }
-    }
-  }
-  for (std::size_t a = 0; a < Nodes; ++a) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t q = 0; q < 4; ++q) {
-        out.K(3 * a + i, 3 * Nodes + q) += in.share * w * at.G[a][i] * at.Np[q];
-      }
-    }
+  if (out.wants_matrix()) {
+    add_stiffness(at, w, inverse_tangent(tissue, F, {at.p + own.p, own.dp_dJ}, s, sigma), out);
+    add_inverse_pressure(in, at, F, j, out);
   }
   return s.J;
 }
@@ -269,10 +304,11 @@ struct PressureMass {
   std::array<std::array<double, 4>, 4> M{};
 };
 
-/// B = M/kappa + tau (M - m m^T/V) for an affine cell with constant measure V.
+/// B = M/kappa + tau (M - m m^T/V) for an affine cell with constant measure V. Linear cells are too
+/// stiff in shear, and 2/mu makes up for a part of it by their volume; smoothing domains need half.
 PressureMass affine_pressure_block(const Tissue& tissue, double share, double V) {
   PressureMass block;
-  const double tau = 2.0 / stabilising_shear(tissue);
+  const double tau = (1.0 + share) / stabilising_shear(tissue);
   for (std::size_t a = 0; a < 4; ++a) {
     for (std::size_t b = 0; b < 4; ++b) {
       const double mass = V / 20.0 * (a == b ? 2.0 : 1.0);

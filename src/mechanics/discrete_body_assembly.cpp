@@ -92,7 +92,7 @@ double DiscreteBody::add_domain(int e, const State& state, Buffer& to, fem::RowP
                                    std::span(p).first(n), std::span(cells).first(count)},
                                   vector, matrix);
   if (J > 0.0) {
-    system_->add(e, static_cast<int>(n), vector, matrix, rows);
+    system_->add_blocks(e, vector, matrix, rows);
   }
   return J;
 }

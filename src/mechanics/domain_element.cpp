@@ -139,31 +139,51 @@ Response respond(const Domain& domain) {
   return r;
 }
 
+/// Blocks of all node pairs; entry (i, k) of block (a, b), with i, k = 3 for the pressure.
 struct Out {
   std::size_t nodes;
   std::span<double> matrix;
-  double& K(std::size_t row, std::size_t column) const { return matrix[row * 4 * nodes + column]; }
+  [[nodiscard]] double* block(std::size_t a, std::size_t b) const {
+    return matrix.data() + 16 * (a * nodes + b);
+  }
+  [[nodiscard]] double& K(std::size_t a, std::size_t b, std::size_t i, std::size_t k) const {
+    return block(a, b)[4 * k + i];
+  }
 };
 
 void add_pressure_columns(const Domain& d, const Response& r, const Out& out) {
   for (std::size_t a = 0; a < d.nodes; ++a) {
-    const Vec3 cB = r.cofactor * d.B[a];
-    for (std::size_t q = 0; q < d.nodes; ++q) {
+    const Vec3 force = (1.0 / d.volume) * (r.cofactor * d.B[a]);
+    for (std::size_t b = 0; b < d.nodes; ++b) {
       for (std::size_t i = 0; i < 3; ++i) {
-        out.K(3 * a + i, 3 * d.nodes + q) = cB[i] * d.mass[q] / d.volume;
+        out.K(a, b, i, 3) += d.mass[b] * force[i];
       }
     }
   }
 }
 
-/// A symmetric 9 x 3 block  dP_iJ / d(node, K)  times every B_aJ.
-void add_columns(const Domain& d, std::size_t node, const std::array<Vec3, 9>& dP, const Out& out) {
+/// The columns of one node's position: dP_iJ / d(node, k), index [3 i + J], times every B_aJ, and
+/// the change of J - 1 + shrinkage times every pressure's weight.
+void add_columns(const Domain& d, std::size_t node, const std::array<Vec3, 9>& dP,
+                 const Vec3& excess, const Out& out) {
+  using Lanes = std::array<double, 4>;  // x y z p: what the compiler turns into one register
+  std::array<std::array<Lanes, 3>, 3> by{};
+  std::array<Lanes, 3> weight{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t J = 0; J < 3; ++J) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        by[k][J][i] = dP[3 * i + J][k];
+      }
+    }
+    weight[k][3] = excess[k];
+  }
   for (std::size_t a = 0; a < d.nodes; ++a) {
     const Vec3& B = d.B[a];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3 row = B[0] * dP[3 * i] + B[1] * dP[3 * i + 1] + B[2] * dP[3 * i + 2];
-      for (std::size_t k = 0; k < 3; ++k) {
-        out.K(3 * a + i, 3 * node + k) += row[k];
+    double* to = out.block(a, node);
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        to[4 * k + i] +=
+            B[0] * by[k][0][i] + B[1] * by[k][1][i] + B[2] * by[k][2][i] + d.mass[a] * weight[k][i];
       }
     }
   }
@@ -178,13 +198,7 @@ void add_forward(const Domain& d, const Response& r, const Tangent9& A, const Ou
         dP[m][k] = A[m][3 * k] * B[0] + A[m][3 * k + 1] * B[1] + A[m][3 * k + 2] * B[2];
       }
     }
-    add_columns(d, b, dP, out);
-    const Vec3 dJ = r.cofactor * B;
-    for (std::size_t q = 0; q < d.nodes; ++q) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        out.K(3 * d.nodes + q, 3 * b + k) += d.mass[q] * dJ[k];
-      }
-    }
+    add_columns(d, b, dP, r.cofactor * B, out);
   }
 }
 
@@ -239,15 +253,14 @@ void add_moved_corner(const Piece& piece, const DomainCell& cell, std::size_t b,
                       const Out& out) {
   const Vec3& G = piece.G[b];
   const Vec3 PG = r.at.P * G;
-  const std::size_t column = 3 * index(cell.node[b]);
   for (std::size_t a = 0; a < 4; ++a) {
-    const std::size_t row = index(cell.node[a]);
+    double* to = out.block(index(cell.node[a]), index(cell.node[b]));
     const Vec3 PGa = r.at.P * piece.G[a];
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t i = 0; i < 3; ++i) {
-        out.K(3 * row + i, column + k) += piece.volume * (PGa[i] * G[k] - piece.G[a][k] * PG[i]);
+        to[4 * k + i] += piece.volume * (PGa[i] * G[k] - piece.G[a][k] * PG[i]);
       }
-      out.K(3 * out.nodes + row, column + k) += 0.25 * piece.volume * G[k] * r.excess;
+      to[4 * k + 3] += 0.25 * piece.volume * G[k] * r.excess;
     }
   }
 }
@@ -261,16 +274,11 @@ void add_inverse(const Domain& d, const Response& r, const Tangent9& A, const Ou
   unit_stress[1] = stress(unit, d.F, 0.0).P;
   for (std::size_t b = 0; b < d.nodes; ++b) {
     const Change by = change(d, b);
-    add_columns(d, b, stress_change(d, r, A, unit_stress, by), out);
     Vec3 excess = by.mean[Shrinkage];
     for (std::size_t m = 0; m < 9; ++m) {
       excess += r.cofactor[m / 3][m % 3] * by.F[m];
     }
-    for (std::size_t q = 0; q < d.nodes; ++q) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        out.K(3 * d.nodes + q, 3 * b + k) += d.mass[q] * excess[k];
-      }
-    }
+    add_columns(d, b, stress_change(d, r, A, unit_stress, by), excess, out);
   }
   for (std::size_t c = 0; c < d.cells.size(); ++c) {
     for (std::size_t b = 0; b < 4; ++b) {
@@ -281,7 +289,7 @@ void add_inverse(const Domain& d, const Response& r, const Tangent9& A, const Ou
 
 }  // namespace
 
-double domain_element(const DomainInput& in, std::span<double> residual, std::span<double> matrix) {
+double domain_element(const DomainInput& in, std::span<double> residual, std::span<double> blocks) {
   ensure(in.known.size() <= most_nodes && in.cells.size() <= most_nodes,
          "a smoothing domain of {} nodes", in.known.size());
   thread_local Domain domain;  // too large to clear for every edge
@@ -296,14 +304,14 @@ double domain_element(const DomainInput& in, std::span<double> residual, std::sp
   const std::size_t n = domain.nodes;
   for (std::size_t a = 0; a < n; ++a) {
     const Vec3 force = r.at.P * domain.B[a];
-    std::ranges::copy(force, residual.begin() + static_cast<std::ptrdiff_t>(3 * a));
-    residual[3 * n + a] = domain.mass[a] * r.excess;
+    std::ranges::copy(force, residual.begin() + static_cast<std::ptrdiff_t>(4 * a));
+    residual[4 * a + 3] = domain.mass[a] * r.excess;
   }
-  if (matrix.empty()) {
+  if (blocks.empty()) {
     return J;
   }
-  std::ranges::fill(matrix, 0.0);
-  const Out out{n, matrix};
+  std::ranges::fill(blocks, 0.0);
+  const Out out{n, blocks};
   Tangent9 A{};
   stress_tangent(r.tissue, domain.F, domain.mean[Pressure], 0.0, r.at, A);
   add_pressure_columns(domain, r, out);

@@ -63,10 +63,10 @@ struct DomainInput {
 /// Stress and volume of the smoothing domain of an edge: a sixth of every linear cell around it,
 /// with one deformation gradient, the mean of the cells' by reference volume, and mean tissue
 /// (edge-based smoothed finite elements, doi:10.1002/nme.4472). R as above without gravity and
-/// p/kappa terms, which stay with the cells. Unknowns: displacements node-major xyz, then the
-/// pressures. Returns det F, or the first reference volume that is not positive; then the outputs
-/// are not written.
-double domain_element(const DomainInput& in, std::span<double> residual, std::span<double> matrix);
+/// p/kappa terms, which stay with the cells. Unknowns: x y z p of every node; residual: 4 per node;
+/// blocks: 4 x 4 per pair of nodes (row-major pairs), each by columns, or empty. Returns det F, or
+/// the first reference volume that is not positive; then the outputs are not written.
+double domain_element(const DomainInput& in, std::span<double> residual, std::span<double> blocks);
 
 struct FaceInput {
   Unknown unknown;

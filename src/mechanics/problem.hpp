@@ -32,6 +32,8 @@ const std::vector<std::string>& element_names();
 Element element_named(const std::string& name);
 /// "p1p1".
 const std::string& name_of(Element element);
+/// Layers of cells around a process's vertices that their residual depends on.
+int cell_layers(Element element);
 /// "P1/P1", for tables.
 std::string title_of(Element element);
 

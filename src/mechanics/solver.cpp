@@ -71,6 +71,10 @@ const std::string& name_of(Element element) {
   return element_names()[static_cast<std::size_t>(element)];
 }
 
+int cell_layers(Element element) {
+  return element == Element::Smoothed ? 2 : 1;
+}
+
 std::string title_of(Element element) {
   switch (element) {
     case Element::P1P1:

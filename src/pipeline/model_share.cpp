@@ -27,7 +27,8 @@ ModelShare::ModelShare(const StageInput& in, double wall_guard) {
     guard_wall(body_, wall_guard);
     return;
   }
-  share_ = std::make_unique<const fem::MeshShare>(whole_.mesh);
+  share_ = std::make_unique<const fem::MeshShare>(whole_.mesh,
+                                                  mechanics::cell_layers(element_of(parameters)));
   const TetMesh& mesh = share_->mesh();
   const bool quadratic = element_of(parameters) == mechanics::Element::P2P1;
   const fem::EdgeTable edges = quadratic ? fem::make_edges(mesh.cells) : fem::EdgeTable{};

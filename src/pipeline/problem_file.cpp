@@ -161,7 +161,8 @@ void load_mesh(SolveProblem& problem) {
     return;
   }
   problem.share =
-      std::make_shared<fem::MeshShare>(fem::rank() == 0 ? io::read_msh(file, unit) : TetMesh{});
+      std::make_shared<fem::MeshShare>(fem::rank() == 0 ? io::read_msh(file, unit) : TetMesh{},
+                                       mechanics::cell_layers(problem.body.element));
   problem.mesh = problem.share->mesh();
   problem.body.share = problem.share.get();
 }

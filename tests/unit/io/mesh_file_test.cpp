@@ -101,10 +101,23 @@ TEST_F(MeshFile, UnnamedGroupsGetNamesMillimetresBecomeMetresAndLooseNodesAreDro
 TEST_F(MeshFile, SaysWhyAMeshCannotBeRead) {
   EXPECT_THAT(error_of_msh("solid\n"), HasSubstr("not a Gmsh mesh"));
   EXPECT_THAT(error_of_msh(msh22("", "1\n1 2 2 8 1 1 2 4\n")), HasSubstr("no tetrahedra"));
-  EXPECT_THAT(error_of_msh(msh22("", "1\n1 4 2 7 1 1 2 3 99\n")), HasSubstr("cannot read mesh"));
+  EXPECT_THAT(error_of_msh(msh22("", "1\n1 4 2 7 1 1 2 3 99\n")),
+              HasSubstr("node 99 is used but not given"));
   EXPECT_THAT(error_of_msh("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n"),
-              HasSubstr("cannot read mesh"));
-  EXPECT_THAT(error_of_msh(msh22("", "1\n1 5 2 7 1 1 2 3 4 1 2 3 5\n")), HasSubstr("linear"));
+              HasSubstr("line 5: the file ends here"));
+  EXPECT_THAT(error_of_msh(msh22("", "2\n1 4 2 7 1 1 2 3 4\n")),
+              HasSubstr("line 16: a number should stand here"));
+  EXPECT_THAT(error_of_msh(msh22("", "1\n1 4 2 7 1 1 2 3 4\n2 4 2 7 1 1 2 3 5\n")),
+              HasSubstr("line 16: $EndElements should stand here"));
+  EXPECT_THAT(error_of_msh(msh22("$PhysicalNames\n1\n3 7 fat\n$EndPhysicalNames\n", "0\n")),
+              HasSubstr("line 6: a name in quotes"));
+  EXPECT_THAT(error_of_msh(msh22("", "2\n1 4 2 7 1 1 2 3 4\n2 4 2 8 1 1 2 3 5\n")),
+              HasSubstr("several physical volumes (7 and 8)"));
+  EXPECT_THAT(error_of_msh("$MeshFormat\n4 0 8\n"), HasSubstr("its format is 4 "));
+  EXPECT_THAT(error_of_msh(msh22("", "1\n1 5 2 7 1 1 2 3 4 1 2 3 5\n")),
+              HasSubstr("only linear tetrahedra"));
+  EXPECT_THAT(error_of_msh(msh22("", "1\n1 11 2 7 1 1 2 3 4 5 6 1 2 3 4\n")),
+              HasSubstr("mesh it with order 1"));
   try {
     read_msh(folder_ / "absent.msh", LengthUnit::Metre);
     FAIL();
