@@ -56,7 +56,7 @@ The checks use soft, nearly incompressible tissue of the stiffness, size and loa
 - Radiotherapy, infection, seroma, drains, tissue rearrangement and weight change are not modelled.
 - The preset `clinical_kader` describes the cohort to which it was calibrated and no other: a cohort with faster resorption is drawn beside it.
 - The largest upright displacement of the paper (5 to 16 mm) is met in order of magnitude only.
-- Poses are computed with linear cells unless `solver.element=p2p1` is asked for, and move too little by what section 4 says (linear and quadratic cells); unloading a patient with quadratic cells is not robust.
+- Poses are computed with linear cells unless `solver.element` asks for others, and move too little by what section 4 says (linear, smoothed and quadratic cells); unloading a patient with quadratic cells is not robust.
 - Contact of skin with skin, arms and bra is not modelled.
 )md";
 

@@ -50,7 +50,9 @@ class Solve(CliTest):
     def test_ranks_share_the_mesh_and_agree_to_1e_8(self):
         skin = {"sides": {"law": "veronda_westmann", "alpha": 3940, "beta": 5.03, "c2": -9909.1,
                           "thickness": 0.0015}}
-        for changes in ({}, {"element": "p2p1"}, {"mode": "inverse"}, {"skins": skin}):
+        for changes in ({}, {"element": "p2p1"}, {"mode": "inverse"}, {"skins": skin},
+                        {"element": "smoothed", "skins": skin},
+                        {"element": "smoothed", "mode": "inverse"}):
             with self.subTest(changes=changes):
                 one = self.solve(**changes)
                 two = self.solve("--ranks", "3", **changes)

@@ -39,8 +39,9 @@ struct ABlock : ::testing::TestWithParam<Element> {
     return most / 0.02;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Elements, ABlock, ::testing::Values(Element::P1P1, Element::P2P1),
-                         [](const auto& p) { return p.param == Element::P1P1 ? "P1P1" : "P2P1"; });
+INSTANTIATE_TEST_SUITE_P(Elements, ABlock,
+                         ::testing::Values(Element::P1P1, Element::Smoothed, Element::P2P1),
+                         [](const auto& p) { return name_of(p.param); });
 
 TEST_P(ABlock, SagsAlikeUnderGravityAndUnderTheSameBodyForce) {
   hold(body, "x0", 7);
