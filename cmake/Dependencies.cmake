@@ -9,6 +9,7 @@ find_package(ZLIB REQUIRED)
 find_package(LibArchive REQUIRED)
 find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
+find_package(TBB REQUIRED)
 find_package(PkgConfig REQUIRED)
 
 pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET petsc)

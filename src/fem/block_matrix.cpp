@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/parallel.hpp"
+#include "fem/four.hpp"
 #include "fem/petsc_check.hpp"
 #include "fem/session.hpp"
 
@@ -43,6 +45,39 @@ Pattern pattern_of(const Layout& layout, const ElementList& elements, int count,
     std::vector<PetscInt>().swap(row);
   }
   return pattern;
+}
+
+/// y = A x of a sequential matrix of node blocks, by all threads; PETSc has one.
+PetscErrorCode multiply(Mat A, Vec x, Vec y) {
+  PetscInt rows = 0;
+  const PetscInt* begin = nullptr;
+  const PetscInt* column = nullptr;
+  PetscBool done = PETSC_FALSE;
+  PetscScalar* values = nullptr;
+  const PetscScalar* from = nullptr;
+  PetscScalar* to = nullptr;
+  check(MatGetRowIJ(A, 0, PETSC_FALSE, PETSC_TRUE, &rows, &begin, &column, &done), "multiplying");
+  check(MatSeqBAIJGetArray(A, &values), "multiplying");
+  check(VecGetArrayRead(x, &from), "multiplying");
+  check(VecGetArrayWrite(y, &to), "multiplying");
+  const int parts = threads();
+  side_by_side(parts, [&](int part) {
+    const PetscInt end = rows * (part + 1) / parts;
+    for (PetscInt r = rows * part / parts; r < end; ++r) {
+      Four sum{};
+      for (PetscInt b = begin[r]; b < begin[r + 1]; ++b) {
+        const double* of = values + 16 * b;
+        sum += product(of, from + 4 * column[b]);
+      }
+      four(to + 4 * r) = sum;
+    }
+  });
+  check(VecRestoreArrayWrite(y, &to), "multiplying");
+  check(VecRestoreArrayRead(x, &from), "multiplying");
+  check(MatSeqBAIJRestoreArray(A, &values), "multiplying");
+  check(MatRestoreRowIJ(A, 0, PETSC_FALSE, PETSC_TRUE, &rows, &begin, &column, &done),
+        "multiplying");
+  return 0;
 }
 
 }  // namespace
@@ -125,6 +160,8 @@ void BlockMatrix::open(Mat part, BlockRows& rows) {
   ensure(done == PETSC_TRUE && n == layout_.own(), "PETSc shows {} block rows, not {}", n,
          layout_.own());
   check(MatSeqBAIJGetArray(part, &rows.values), "opening the matrix");
+  check(MatSetOperation(part, MATOP_MULT, reinterpret_cast<void (*)()>(multiply)),
+        "giving the product");
 }
 
 void BlockMatrix::close(BlockValues& values) {

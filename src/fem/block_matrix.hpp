@@ -58,6 +58,10 @@ class BlockMatrix {
   void finish();
   /// The system and what was added for the factors, summed when first asked for after finish.
   [[nodiscard]] Mat for_factors();
+  /// Its blocks with columns of this rank.
+  [[nodiscard]] const BlockRows& local_for_factors() const {
+    return beside_.matrix != nullptr ? beside_.local : system_.local;
+  }
   /// Columns of `local` are owned nodes counted from own_begin; columns of `remote` index
   /// remote_columns.
   [[nodiscard]] const BlockRows& local() const { return system_.local; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/parallel.hpp"
 #include "fem/petsc_check.hpp"
 
 namespace sanatrix::fem {
@@ -236,8 +237,7 @@ void CoarseSpace::add_block(const NodeModes& row, const NodeModes& column, const
 
 void CoarseSpace::update() {
   std::ranges::fill(values_, 0.0);
-#pragma omp parallel for schedule(static)
-  for (int g = 0; g < groups_; ++g) {
+  side_by_side(groups_, [&](int g) {
     for (int r = first_row(g); r < first_row(g + 1); ++r) {
       const auto add_all = [&](const BlockRows& rows, const std::vector<NodeModes>& columns) {
         for (PetscInt b = rows.begin[r]; b < rows.begin[r + 1]; ++b) {
@@ -256,7 +256,7 @@ void CoarseSpace::update() {
       double& diagonal = own_block[modes * m + m];
       diagonal = diagonal == 0.0 ? 1.0 : diagonal;
     }
-  }
+  });
   std::array<PetscInt, modes> rows{};
   std::array<PetscInt, modes> columns{};
   for (int g = 0; g < groups_; ++g) {

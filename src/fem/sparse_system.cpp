@@ -4,9 +4,11 @@
 
 #include <petscksp.h>
 
+#include "fem/block_factors.hpp"
 #include "fem/block_matrix.hpp"
 #include "fem/coarse_space.hpp"
 #include "fem/petsc_check.hpp"
+#include "fem/session.hpp"
 
 namespace sanatrix::fem {
 
@@ -40,6 +42,7 @@ struct SparseSystem::Impl {
   std::vector<double> sum;
   BlockMatrix matrix;
   std::unique_ptr<BlockMatrix> narrow;
+  BlockFactors factors;
   CoarseSpace coarse;
   bool factors_stale = true;
   int fill = 0;  ///< levels of fill of the incomplete factors
@@ -62,7 +65,7 @@ struct SparseSystem::Impl {
   void copy_in(std::span<const double> from, Vec to) const;
   void copy_out(Vec from, std::vector<double>& to) const;
   bool run(KSP solver, double relative_tolerance, int limit, int& iterations) const;
-  void prepare_levels(int levels_of_fill);
+  bool prepare_levels(int levels_of_fill);
   bool solve_by_levels(double relative_tolerance, LinearReport& report);
   void solve_directly(double relative_tolerance, LinearReport& report);
 };
@@ -82,6 +85,7 @@ SparseSystem::Impl::Impl(const Layout& l, const ElementList& elements,
       narrow(narrow_elements ? std::make_unique<BlockMatrix>(layout, elements, *narrow_elements,
                                                              held, Beside::None)
                              : nullptr),
+      factors(preconditioned().local(), layout.own()),
       coarse(layout, preconditioned(), held, positions) {
   for (std::size_t n = 0; n < l.global.size(); ++n) {
     if (l.owns(static_cast<int>(n))) {
@@ -114,6 +118,20 @@ void SparseSystem::Impl::make_vectors() {
   check(ISDestroy(&wanted), "indexing the nodes");
 }
 
+/// The smoother of a preconditioner's level.
+PetscErrorCode apply_factors(PC pc, Vec from, Vec to) {
+  void* factors = nullptr;
+  const PetscScalar* r = nullptr;
+  PetscScalar* z = nullptr;
+  check(PCShellGetContext(pc, &factors), "smoothing");
+  check(VecGetArrayRead(from, &r), "smoothing");
+  check(VecGetArrayWrite(to, &z), "smoothing");
+  static_cast<BlockFactors*>(factors)->apply(r, z);
+  check(VecRestoreArrayWrite(to, &z), "smoothing");
+  check(VecRestoreArrayRead(from, &r), "smoothing");
+  return 0;
+}
+
 /// V-cycle of two levels. Smoother: incomplete factors of each rank's node blocks; coarse level:
 /// MUMPS.
 void SparseSystem::Impl::make_two_level_solver() {
@@ -130,9 +148,7 @@ void SparseSystem::Impl::make_two_level_solver() {
   check(PCMGSetInterpolation(pc, 1, coarse.interpolation()), "giving the interpolation");
   for (const auto& [key, value] : {std::pair{"-sanatrix_mg_levels_ksp_type", "richardson"},
                                    {"-sanatrix_mg_levels_ksp_max_it", "1"},
-                                   {"-sanatrix_mg_levels_pc_type", "bjacobi"},
-                                   {"-sanatrix_mg_levels_sub_pc_type", "ilu"},
-                                   {"-sanatrix_mg_levels_sub_pc_factor_mat_ordering_type", "rcm"},
+                                   {"-sanatrix_mg_levels_pc_type", "shell"},
                                    {"-sanatrix_mg_coarse_ksp_type", "preonly"},
                                    {"-sanatrix_mg_coarse_pc_type", "lu"},
                                    {"-sanatrix_mg_coarse_pc_factor_mat_solver_type", "mumps"}}) {
@@ -189,32 +205,29 @@ bool SparseSystem::Impl::run(KSP solver, double relative_tolerance, int limit,
   return reason > 0;
 }
 
-/// Makes the levels of the matrix of the moment.
-void SparseSystem::Impl::prepare_levels(int levels_of_fill) {
+/// Makes the levels of the matrix of the moment. False where there are no such factors.
+bool SparseSystem::Impl::prepare_levels(int levels_of_fill) {
   PC pc = nullptr;
   KSP smoother = nullptr;
   KSP bottom = nullptr;
+  const Mat factored = preconditioned().for_factors();
+  const bool whole = factors.update(preconditioned().local_for_factors(), levels_of_fill);
+  if (largest(whole ? 0.0 : 1.0) > 0.0) {
+    return false;
+  }
   check(KSPGetPC(two_level, &pc), "getting the preconditioner");
   check(PCMGGetSmoother(pc, 1, &smoother), "getting the smoother");
   check(PCMGGetCoarseSolve(pc, &bottom), "getting the coarse solver");
-  const Mat factored = preconditioned().for_factors();
-  check(KSPSetOperators(
-            smoother, smoothed == Smoothed::System ? preconditioned().petsc() : factored, factored),
-        "setting the matrix");
+  const Mat seen = smoothed == Smoothed::System ? preconditioned().petsc() : factored;
+  check(KSPSetOperators(smoother, seen, seen), "setting the matrix");
   coarse.update();
   check(KSPSetOperators(bottom, coarse.matrix(), coarse.matrix()), "setting the coarse matrix");
   check(KSPSetOperators(two_level, matrix.petsc(), matrix.petsc()), "setting the matrix");
   check(KSPSetUp(two_level), "setting up the levels");
-  // Block Jacobi does not hand the wish on to its blocks.
   check(KSPGetPC(smoother, &pc), "getting the smoother");
-  PetscInt blocks = 0;
-  KSP* own = nullptr;
-  check(PCBJacobiGetSubKSP(pc, &blocks, nullptr, &own), "getting the smoother's blocks");
-  for (PetscInt b = 0; b < blocks; ++b) {
-    PC factors = nullptr;
-    check(KSPGetPC(own[b], &factors), "getting the smoother's blocks");
-    check(PCFactorSetLevels(factors, levels_of_fill), "setting the fill of the factors");
-  }
+  check(PCShellSetContext(pc, &factors), "giving the factors");
+  check(PCShellSetApply(pc, apply_factors), "giving the factors");
+  return true;
 }
 
 bool SparseSystem::Impl::solve_by_levels(double relative_tolerance, LinearReport& report) {
@@ -223,9 +236,9 @@ bool SparseSystem::Impl::solve_by_levels(double relative_tolerance, LinearReport
     return false;
   }
   const auto attempt = [&](int levels_of_fill) {
-    prepare_levels(levels_of_fill);
     int iterations = 0;
-    report.converged = run(two_level, relative_tolerance,
+    report.converged = prepare_levels(levels_of_fill) &&
+                       run(two_level, relative_tolerance,
                            levels_of_fill > 0 ? max_with_fill : max_iterations, iterations);
     report.iterations += iterations;
     return report.converged;

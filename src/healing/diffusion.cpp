@@ -73,7 +73,8 @@ void apply_group_of(const Diffusion& d, std::span<const double> healthy, std::sp
 }  // namespace
 
 Laplacian make_laplacian(const TetMesh& mesh, std::span<const Vec3> points, const WoundMap& wound,
-                         Domain domain, std::span<const int> vertices) {
+                         Domain domain, const std::vector<bool>& near,
+                         std::span<const int> vertices) {
   constexpr int absent = -1;
   std::vector<int> row_of(points.size(), absent);
   for (std::size_t r = 0; r < vertices.size(); ++r) {
@@ -104,14 +105,20 @@ Laplacian make_laplacian(const TetMesh& mesh, std::span<const Vec3> points, cons
   l.row.push_back(0);
   for (std::size_t r = 0; r < vertices.size(); ++r) {
     double weights = 0.0;
+    double far = 0.0;
     for (const auto& [column, conductance] : rows[r]) {
-      l.entries.push_back({column, 24.0 * conductance / volume24[r]});
-      weights += l.entries.back().weight;
+      const double weight = 24.0 * conductance / volume24[r];
+      if (near[column]) {
+        l.entries.push_back({column, weight});
+        weights += weight;
+      } else {
+        far += weight;
+      }
     }
     l.exchange.push_back(
         domain == Domain::Wound
             ? surface_exchange(volume24[r] / 24.0, wound.area[vertices[r]], weights)
-            : 0.0);
+            : far);
     l.diagonal.push_back(weights + l.exchange.back());
     l.row.push_back(static_cast<int>(l.entries.size()));
   }

@@ -9,7 +9,7 @@
 
 namespace sanatrix::healing {
 
-/// Rows of (-M^-1 K) with the diagonal left out, and what passes the wound's surface. [1/m2]
+/// Rows of (-M^-1 K) with the diagonal left out, and what passes to healthy tissue. [1/m2]
 struct Laplacian {
   struct Entry {
     int column;
@@ -17,23 +17,24 @@ struct Laplacian {
   };
   std::vector<int> row;          ///< CSR
   std::vector<Entry> entries;    ///< of a row in the order of the mesh's vertices
-  std::vector<double> exchange;  ///< per row, with healthy tissue across the wound's surface
+  std::vector<double> exchange;  ///< per row, with tissue that stays healthy
   std::vector<double> diagonal;  ///< per row, sum of weights and exchange
 };
 
 enum class Domain {
-  Mesh,   ///< every cell; no exchange
+  Mesh,   ///< every cell; vertices that are not near are held at their healthy values
   Wound,  ///< wound cells only, healthy values on their surface (docs/theory/healing.md)
 };
 
-/// Rows for the given vertices, ascending; columns are vertices of the mesh.
+/// Rows for the given vertices, ascending, all of them near; columns are near vertices of the mesh.
 Laplacian make_laplacian(const TetMesh& mesh, std::span<const Vec3> points, const WoundMap& wound,
-                         Domain domain, std::span<const int> vertices);
+                         Domain domain, const std::vector<bool>& near,
+                         std::span<const int> vertices);
 
 /// A Laplacian applied to some species at once: the unknowns of a vertex lie side by side.
 struct Diffusion {
   std::vector<double> diffusivity;  ///< per species of the group [m2/s]
-  std::vector<double> healthy;      ///< per species, behind the wound's surface
+  std::vector<double> healthy;      ///< per species, what is exchanged with
   int first = 0;                    ///< where the group's unknowns begin in the own vector
   Laplacian laplacian;              ///< columns: where a vertex's unknowns begin in the vector
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "fem/session.hpp"
+#include "healing/neighbourhood.hpp"
 
 namespace sanatrix::healing {
 namespace {
@@ -76,8 +77,9 @@ System::System(const TetMesh& mesh, std::span<const Vec3> points,
     group.diffusion.diffusivity.push_back(kind.diffusivity);
     group.diffusion.healthy.push_back(kind.healthy);
   }
+  const std::vector<bool> near = neighbourhood(model, points, wound_, share);
   for (std::size_t v = 0; v < points.size(); ++v) {
-    if (fem::owns_vertex(share, v)) {
+    if (near[v] && fem::owns_vertex(share, v)) {
       own_.push_back(static_cast<int>(v));
       wound_share_.push_back(wound_.fraction[v]);
       if (wound_.vertex[v]) {
@@ -96,7 +98,7 @@ System::System(const TetMesh& mesh, std::span<const Vec3> points,
   const std::vector<double> global = global_numbers();
   for (std::size_t g = 0; g < 2; ++g) {
     groups_[g].diffusion.laplacian = make_laplacian(
-        mesh, points, wound_, g == 0 ? Domain::Mesh : Domain::Wound, groups_[g].vertices);
+        mesh, points, wound_, g == 0 ? Domain::Mesh : Domain::Wound, near, groups_[g].vertices);
     localise_columns(g, global);
   }
   index_vertices();
@@ -219,14 +221,19 @@ void System::gather(std::span<const double> own, std::span<double> at_vertices) 
 std::vector<double> System::at_vertices(std::span<const double> own) const {
   std::vector<double> mine = at_vertices_;
   gather(own, mine);
-  if (share_ == nullptr) {
-    return mine;
+  std::vector<double> result;
+  result.reserve(wound_.vertex.size() * species_);
+  for (std::size_t v = 0; v < wound_.vertex.size(); ++v) {
+    for (const Species& s : model_->species()) {
+      result.push_back(s.healthy);
+    }
   }
-  std::vector<double> result(wound_.vertex.size() * species_);
   for (std::size_t i = 0; i < own_.size(); ++i) {
     std::copy_n(mine.begin() + i * species_, species_, result.begin() + own_[i] * species_);
   }
-  share_->fetch(result, species_);
+  if (share_ != nullptr) {
+    share_->fetch(result, species_);
+  }
   return result;
 }
 

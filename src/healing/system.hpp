@@ -14,7 +14,8 @@
 namespace sanatrix::healing {
 
 /// The own vector holds two groups of unknowns: species that live in the whole mesh, for every own
-/// vertex; then species that are clamped outside the wound, for every own wound vertex.
+/// vertex near the wound, far from which they stay healthy; then species that are clamped outside
+/// the wound, for every own wound vertex.
 class System {
  public:
   /// share: the mesh is this process's share of a larger; nullptr: it is the whole, of this process
@@ -75,7 +76,7 @@ class System {
   const fem::MeshShare* share_;
   int species_;
   WoundMap wound_;
-  std::vector<int> own_;             ///< vertices, ascending
+  std::vector<int> own_;             ///< vertices near the wound, ascending
   std::vector<double> wound_share_;  ///< WoundMap::fraction of own vertices
   std::array<Group, 2> groups_;
   int own_unknowns_ = 0, all_unknowns_ = 0, wound_unknowns_ = 0;

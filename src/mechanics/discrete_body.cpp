@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include <mpi.h>
-#include <omp.h>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "fem/mesh_share.hpp"
 #include "fem/session.hpp"
 #include "mechanics/dead_loads.hpp"
@@ -172,7 +172,7 @@ void DiscreteBody::list_domains() {
 /// and sums that do not depend on the number of threads. The elements between two parts are
 /// computed twice.
 void DiscreteBody::list_parts() {
-  parts_.resize(static_cast<std::size_t>(omp_get_max_threads()));
+  parts_.resize(index(threads()));
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     Part& part = parts_[p];
     part.rows = system_->part(static_cast<int>(p), static_cast<int>(parts_.size()));

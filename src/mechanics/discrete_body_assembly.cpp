@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include "core/parallel.hpp"
 #include "fem/session.hpp"
 #include "mechanics/discrete_body.hpp"
 
@@ -156,10 +157,10 @@ template <std::size_t CellNodes, std::size_t FaceNodes>
 bool DiscreteBody::evaluate(const State& state, bool with_matrix, bool at_rest) {
   system_->clear(with_matrix);
   std::vector<Worst> worst(parts_.size());
-#pragma omp parallel for schedule(static, 1)
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    worst[p] = evaluate_part<CellNodes, FaceNodes>(parts_[p], state, with_matrix, at_rest);
-  }
+  side_by_side(static_cast<int>(parts_.size()), [&](int p) {
+    worst[index(p)] =
+        evaluate_part<CellNodes, FaceNodes>(parts_[index(p)], state, with_matrix, at_rest);
+  });
   worst_ = *std::ranges::min_element(worst, {}, &Worst::J);
   const struct {
     double J;

@@ -329,10 +329,11 @@ Shape Solver::forward(std::span<const Vec3> reference_nodes, const Vec3& gravity
 double Solver::misfit(std::span<const Vec3> reference_nodes, const Vec3& gravity,
                       const Shape& shape) {
   impl_->discrete.begin(Unknown::Deformed, reference_nodes, gravity);
+  State state{shape.nodes, shape.pressure};
+  state.pressure.resize(impl_->discrete.body().mesh->points.size());  // a body at rest has none
   std::vector<double> r;
-  return impl_->discrete.residual({shape.nodes, shape.pressure}, r)
-             ? impl_->discrete.norm(r) / impl_->discrete.load_scale()
-             : std::numeric_limits<double>::infinity();
+  return impl_->discrete.residual(state, r) ? impl_->discrete.norm(r) / impl_->discrete.load_scale()
+                                            : std::numeric_limits<double>::infinity();
 }
 
 Shape Solver::inverse(std::span<const Vec3> loaded_nodes, const Vec3& gravity, const Context& ctx) {

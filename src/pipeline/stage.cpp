@@ -21,7 +21,7 @@ const std::array<StageInfo, 9>& all_stages() {
        "70-heal",
        "H",
        "healing",
-       5,
+       6,
        {Mesh, Unload, Supine, Surgery},
        {"tissue.", "skin.", "solver.", "heal."},
        true},

@@ -36,6 +36,22 @@ std::optional<SolvedShape> kept_before(const StageInput& in, const std::string& 
   return in.writes ? load_shape(folder / "before.bin") : SolvedShape{};
 }
 
+/// The pose after healing of the last good result, of another plan most likely. Where the mesh has
+/// changed it is not near. Collective.
+std::optional<mechanics::Shape> last_after(const StageInput& in, const ModelShare& model,
+                                           const mechanics::Shape& unloaded) {
+  const std::filesystem::path file = in.from(Stage::Upright) / "after.bin";
+  mechanics::Shape last;
+  if (in.writes && !in.anew && std::filesystem::exists(file)) {
+    last = load_shape(file).shape;
+  }
+  const bool fits = in.writes && last.nodes.size() == unloaded.nodes.size();
+  if (fem::largest(fits ? 1.0 : 0.0) == 0.0) {
+    return std::nullopt;
+  }
+  return model.distribute(last);
+}
+
 void write_before(const StageInput& in, const meshing::BreastModel& model,
                   const SolvedShape& before, std::span<const Vec3> unloaded) {
   Archive key;
@@ -102,6 +118,11 @@ StageNotes run_upright(const StageInput& in) {
   solver.set_tissue(tissue_from(model.distribute_cells(
       in.writes ? load_tissue(in.from(Stage::Heal) / "tissue.bin") : std::vector<double>{},
       numbers_per_tissue)));
+  if (const auto last = last_after(in, model, unloaded);
+      last && solver.misfit(at_rest, gravity_upright, *last) <
+                  solver.misfit(at_rest, gravity_upright, mine)) {
+    mine = *last;
+  }
   mine = solver.forward(at_rest, gravity_upright, &mine, in.ctx.part(0.6, 1.0));
   const SolvedShape after{model.collect(mine), solver.last_report().min_jacobian};
   if (in.writes) {

@@ -75,6 +75,9 @@ struct Problem {
   const healing::Model* model = nullptr;
   healing::RdOptions species_options;
   Schedule schedule;
+  /// Where there is one, a shape that may be near the equilibrium of that day, of another plan on
+  /// the same body, say. It decides where Newton's method starts and not where it ends.
+  std::function<std::optional<mechanics::Shape>(double t_day)> hint = {};
 };
 using Save = std::function<void(const Checkpoint&)>;  ///< called after every equilibrium
 /// Called with time, species (vertices x species) and shape every mechanics_interval_days; between

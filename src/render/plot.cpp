@@ -103,6 +103,7 @@ void write_plot(const std::vector<Curve>& curves, const std::string& title,
   view->GetRenderWindow()->SetMultiSamples(0);
   view->GetRenderWindow()->SetSize(width, height);
   view->GetScene()->AddItem(chart);
+  view->GetRenderWindow()->Render();  // a chart finds its margins while it is drawn
   write_png(*view->GetRenderWindow(), file);
 }
 

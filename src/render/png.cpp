@@ -17,7 +17,6 @@ VTK_MODULE_INIT(vtkRenderingContextOpenGL2)
 namespace sanatrix::render {
 
 void write_png(vtkRenderWindow& window, const std::filesystem::path& file) {
-  window.Render();
   vtkNew<vtkWindowToImageFilter> pixels;
   pixels->SetInput(&window);
   pixels->ReadFrontBufferOff();

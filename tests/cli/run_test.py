@@ -92,7 +92,9 @@ class Run(CliTest):
         self.assertEqual(stages_run(case), ALL[5:])
         self.assertGreater(outcome_of(case)["excised_cm3"], outcome_of(self.done)["excised_cm3"])
         self.run_ok("run", case, "--plan", self.plan)  # back to the plan as it was
-        self.assertEqual(outcome_of(case), outcome_of(self.done))
+        # Newton's method started from the other plan's shapes; where it ends is the same.
+        self.numbers_agree(case, ["excised_cm3", "wound_volume_ratio_final", "min_jacobian",
+                                  "max_displacement_upright_mm", "mean_displacement_upright_mm"])
 
     def test_parameters_make_exactly_their_stages_stale(self):
         case = self.copy()
