@@ -33,6 +33,7 @@ struct PeerModel {
   std::vector<std::uint8_t> fixed;  ///< per vertex: bit 0 x, bit 1 y, bit 2 z held
   Vec3 gravity{};                   ///< [m/s2]
   int order = 1;                    ///< 2: straight-sided quadratic cells
+  std::string element = "p1p1";     ///< of Sanatrix, whose shape this is
   std::vector<std::string> notes;   ///< what a reader of the file has to know
 };
 

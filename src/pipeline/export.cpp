@@ -134,8 +134,15 @@ io::PeerModel export_case(const Case& patient, const std::string& pose) {
   model.mesh.points.assign(points.begin(), points.end());
   model.fixed = body.fixed;
   model.gravity = gravity_of(pose);
+  model.element = mechanics::name_of(body.element);
   add_materials(body.tissue, model);
   add_skin(body, model);
+  if (unloaded.wall_guard > 1.0) {
+    model.notes.push_back(fmt::format(
+        "cells on the chest wall answer with {:g} times their own bulk modulus here (docs/adr, "
+        "18), which no file holds: poses differ there",
+        unloaded.wall_guard));
+  }
   return model;
 }
 
@@ -146,6 +153,7 @@ io::PeerModel export_problem(const SolveProblem& problem, const std::string& tit
   model.mesh = problem.mesh;
   model.fixed = problem.body.fixed;
   model.gravity = problem.gravity;
+  model.element = mechanics::name_of(problem.body.element);
   std::vector<bool> known(problem.mesh.region_names.size(), false);
   model.materials.resize(known.size());
   for (std::size_t c = 0; c < problem.mesh.cells.size(); ++c) {
@@ -173,12 +181,9 @@ std::string problem_json(const io::PeerModel& model, const std::string& mesh_fil
                        {"kappa", m.kappa},
                        {"density", m.density}};
   }
-  json j{{"mesh", mesh_file},
-         {"unit", "m"},
-         {"element", model.order == 2 ? "p2p1" : "p1p1"},
-         {"mode", "forward"},
-         {"gravity", model.gravity},
-         {"regions", regions}};
+  json j{{"mesh", mesh_file},        {"unit", "m"},
+         {"element", model.element}, {"mode", "forward"},
+         {"gravity", model.gravity}, {"regions", regions}};
   // A boundary is held where all its vertices are.
   for (std::size_t b = 0; b < model.mesh.boundary_names.size(); ++b) {
     std::uint8_t held = 7;

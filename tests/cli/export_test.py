@@ -138,7 +138,9 @@ class CalculixAgrees(CliTest):
             self.run_ok("export", case, "--format", out.suffix[1:], "--pose", "supine",
                         "--order", "1" if out.suffix == ".msh" else "2", "--out", out)
         problem = self.folder / "patient.problem.json"
-        problem.write_text(json.dumps({**json.loads(problem.read_text()), "element": "p2p1"}))
+        as_exported = json.loads(problem.read_text())
+        self.assertEqual(as_exported["element"], "p1p1")  # the case's own
+        problem.write_text(json.dumps({**as_exported, "element": "p2p1"}))
         self.expect_agreement(problem, exported[1], 0.02)
 
 
