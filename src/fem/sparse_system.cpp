@@ -59,6 +59,8 @@ struct SparseSystem::Impl {
 
   /// What the preconditioner is made of.
   BlockMatrix& preconditioned() { return narrow ? *narrow : matrix; }
+  template <class Value>
+  void add_to_vector(int element, RowPart part, const Value& value);
   void make_vectors();
   void make_two_level_solver();
   void make_direct_solver();
@@ -289,25 +291,31 @@ RowPart SparseSystem::part(int part, int parts) const {
   return {static_cast<int>(own * part / parts), static_cast<int>(own * (part + 1) / parts)};
 }
 
-void SparseSystem::add(int element, int pressures, std::span<const double> vector,
-                       std::span<const double> matrix, RowPart part) {
+/// Adds value(a, i) to unknown i of the element's node a, where that is free and in the part.
+template <class Value>
+void SparseSystem::Impl::add_to_vector(int element, RowPart part, const Value& value) {
   const auto e = static_cast<std::size_t>(element);
-  const auto first = static_cast<std::size_t>(impl_->offset[e]);
-  const auto count = static_cast<std::size_t>(impl_->offset[e + 1]) - first;
+  const auto first = static_cast<std::size_t>(offset[e]);
+  const auto count = static_cast<std::size_t>(offset[e + 1]) - first;
   for (std::size_t a = 0; a < count; ++a) {
-    const auto node = static_cast<std::size_t>(impl_->nodes[first + a]);
-    const int row = impl_->row_of_node[node];
+    const auto node = static_cast<std::size_t>(nodes[first + a]);
+    const int row = row_of_node[node];
     if (row < part.begin || row >= part.end) {
       continue;
     }
-    double* to = impl_->sum.data() + block * node;
-    for (std::size_t i = 0; i < 3; ++i) {
-      to[i] += (impl_->fixed[node] >> i & 1) != 0 ? 0.0 : vector[3 * a + i];
-    }
-    if (static_cast<int>(a) < pressures && (impl_->fixed[node] & 8) == 0) {
-      to[3] += vector[3 * count + a];
+    for (std::size_t i = 0; i < block; ++i) {
+      sum[block * node + i] += (fixed[node] >> i & 1) != 0 ? 0.0 : value(a, i);
     }
   }
+}
+
+void SparseSystem::add(int element, int pressures, std::span<const double> vector,
+                       std::span<const double> matrix, RowPart part) {
+  const std::size_t with_pressure = static_cast<std::size_t>(pressures);
+  const std::size_t first_pressure = vector.size() - with_pressure;
+  impl_->add_to_vector(element, part, [&](std::size_t a, std::size_t i) {
+    return i < 3 ? vector[3 * a + i] : a < with_pressure ? vector[first_pressure + a] : 0.0;
+  });
   if (!matrix.empty()) {
     impl_->matrix.add(element, pressures, matrix, part);
   }
@@ -315,16 +323,8 @@ void SparseSystem::add(int element, int pressures, std::span<const double> vecto
 
 void SparseSystem::add_blocks(int element, std::span<const double> vector,
                               std::span<const double> blocks, RowPart part) {
-  const auto e = static_cast<std::size_t>(element);
-  const auto first = static_cast<std::size_t>(impl_->offset[e]);
-  const auto count = static_cast<std::size_t>(impl_->offset[e + 1]) - first;
-  for (std::size_t a = 0; a < count; ++a) {
-    const auto node = static_cast<std::size_t>(impl_->nodes[first + a]);
-    const int row = impl_->row_of_node[node];
-    for (std::size_t i = 0; i < block && row >= part.begin && row < part.end; ++i) {
-      impl_->sum[block * node + i] += (impl_->fixed[node] >> i & 1) != 0 ? 0.0 : vector[4 * a + i];
-    }
-  }
+  impl_->add_to_vector(element, part,
+                       [&](std::size_t a, std::size_t i) { return vector[block * a + i]; });
   if (!blocks.empty()) {
     impl_->matrix.add_blocks(element, blocks, part);
   }
