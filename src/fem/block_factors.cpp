@@ -16,13 +16,6 @@ std::size_t index(PetscInt i) {
   return static_cast<std::size_t>(i);
 }
 
-/// A preconditioner needs no more digits than these, and reading them is what applying it costs.
-RoundedBlock rounded(const Block& A) {
-  RoundedBlock result;
-  std::ranges::transform(A, result.entries.begin(), [](double x) { return static_cast<float>(x); });
-  return result;
-}
-
 /// By Gauss and Jordan with pivots; not finite where there is no inverse.
 bool invert(Block& A) {
   Block inverse{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -120,7 +113,7 @@ std::vector<PetscInt> cuthill_mckee(const Graph& graph) {
 /// in one direction, which is what its cost hangs on.
 struct Triangle {
   std::vector<PetscInt> begin{0}, column, slot;  ///< slot: of the matrix, -1 for fill
-  std::vector<RoundedBlock> block;
+  std::vector<AlignedBlock> block;
 
   void add(PetscInt c, PetscInt s) {
     column.push_back(c);
@@ -261,7 +254,7 @@ bool BlockFactors::Half::eliminate(std::size_t row, const double* values) {
   }
   for (std::size_t b = 0; b < left; ++b) {
     const std::size_t pivot = from_end(column_of(b));
-    const RoundedBlock& D = upper_.block[upper_.first(pivot)];
+    const AlignedBlock& D = upper_.block[upper_.first(pivot)];
     Block L;
     for (std::size_t k = 0; k < 4; ++k) {
       four(L.data() + 4 * k) = product(row_[b].data(), column(D, k));
@@ -278,7 +271,7 @@ bool BlockFactors::Half::eliminate(std::size_t row, const double* values) {
   const bool good = invert(row_[left]);
   for (std::size_t b = 0; b < size; ++b) {
     at_[column_of(b)] = nullptr;
-    (b < left ? lower_.block[low + b] : upper_.block[up + b - left]) = rounded(row_[b]);
+    (b < left ? lower_.block[low + b] : upper_.block[up + b - left]) = {row_[b]};
   }
   return good;
 }

@@ -21,18 +21,16 @@ inline Four four(const double* at) {
   return *reinterpret_cast<const FourAnywhere*>(at);
 }
 
-/// Rounded to single precision; alone in its cache line.
-struct alignas(64) RoundedBlock {
-  std::array<float, 16> entries;
+/// At the beginning of a cache line.
+struct alignas(64) AlignedBlock {
+  std::array<double, 16> entries;
 };
 
 inline Four column(const double* A, std::size_t k) {
   return four(A + 4 * k);
 }
-inline Four column(const RoundedBlock& A, std::size_t k) {
-  using FourFloats = float __attribute__((vector_size(16), may_alias));
-  return __builtin_convertvector(*reinterpret_cast<const FourFloats*>(A.entries.data() + 4 * k),
-                                 Four);
+inline Four column(const AlignedBlock& A, std::size_t k) {
+  return column(A.entries.data(), k);
 }
 
 /// A x; A by its columns, x by its entries.
