@@ -83,8 +83,9 @@ void SmoothingDomains::leave_out_soft(std::span<const Tissue> tissue) {
     }
     for (int i = first_cell_[index(d)]; i < first_cell_[index(d) + 1]; ++i) {
       const int c = cell_[index(i)];
-      const bool is_whole = tissue[index(c)].integrity >= whole_integrity;
-      inside_[index(i)] = is_whole && shear(c) >= much_softer * stiffest ? 1 : 0;
+      const Tissue& t = tissue[index(c)];
+      const bool needs_own_bulk = t.integrity < whole_integrity || t.guard > 1.0;
+      inside_[index(i)] = !needs_own_bulk && shear(c) >= much_softer * stiffest ? 1 : 0;
       times_left_out_[index(c)] += inside_[index(i)] != 0 ? 0 : 1;
     }
   }

@@ -24,7 +24,8 @@ class SmoothingDomains {
 
   /// Cells much softer than the stiffest around an edge stay out of that edge's domain: strain
   /// jumps at their wall, and a mean would hide it. Wounded cells stay out of every domain: without
-  /// their own bulk modulus hardly anything would hold them.
+  /// their own bulk modulus hardly anything would hold them. So do cells whose share of it was
+  /// raised (Tissue::guard), which has no effect in a domain.
   void leave_out_soft(std::span<const Tissue> tissue);
   [[nodiscard]] std::span<const std::uint8_t> inside(int domain) const;
   /// Of a cell's volume, the share that lies in no domain.

@@ -235,7 +235,9 @@ void Solver::Impl::fail(double load) const {
                   "(residual {:.1e}); the worst cell is {}, det F = {:.3f}",
                   100.0 * load, report.newton_iterations, report.last_residual,
                   discrete.worst_place(), discrete.worst_J()),
-      "see docs/failing/newton.md: stiffer tissue, a finer mesh there, or element p2p1");
+      fmt::format(
+          "see docs/failing/newton.md: stiffer tissue, a finer mesh there, or element {}",
+          name_of(discrete.body().element == Element::P1P1 ? Element::P2P1 : Element::P1P1)));
 }
 
 /// Follows R(y) = (1 - s) R(y0) from s = 0, where y0 solves it, to s = 1. From rest that is gravity

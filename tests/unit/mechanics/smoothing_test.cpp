@@ -51,14 +51,15 @@ TEST_F(SomeDomains, OfUniformTissueHoldAllOfIt) {
   }
 }
 
-TEST_F(SomeDomains, LeaveAFreshWoundToItself) {
+TEST_F(SomeDomains, LeaveAFreshWoundAndAGuardedCellToThemselves) {
   const std::size_t soft = mesh.cells.size() / 2;
   tissue[soft].integrity = 0.01;
+  tissue.front().guard = 5.0;
   domains.leave_out_soft(tissue);
   EXPECT_EQ(domains.left_out(static_cast<int>(soft)), 1.0);
   EXPECT_EQ(times_inside()[soft], 0);
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    EXPECT_EQ(domains.left_out(static_cast<int>(c)), c == soft ? 1.0 : 0.0);
+    EXPECT_EQ(domains.left_out(static_cast<int>(c)), c == soft || c == 0 ? 1.0 : 0.0);
   }
 }
 
